@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
+#include "lccal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { FILE_LIMIT = 64 << 20 };
+
+static int fail_file(const char *what, const char *path, int error)
+{
+    const char *hint = "";
+    if (error == ENOSPC || error == EDQUOT)
+        hint = "; free some space and run it again";
+    else if (error == EACCES || error == EROFS)
+        hint = "; choose a folder you may write to with -o";
+    else if (error == ENOENT)
+        hint = "; the folder does not exist, make it first";
+    const bool denied = error == EACCES || error == EPERM || error == EROFS;
+    return lccal_fail(denied ? LCCAL_PERMISSION : LCCAL_FAILED, "cannot %s '%s': %s%s", what, path,
+                      strerror(error), hint);
+}
+
+static bool write_all(int fd, const char *bytes, size_t size)
+{
+    while (size > 0) {
+        const ssize_t n = write(fd, bytes, size);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0)
+            return false;
+        bytes += n;
+        size -= (size_t)n;
+    }
+    return true;
+}
+
+/* Make the renames in the folder of `path` durable. Folders that cannot be synced (some network
+ * file systems) are no failure: the rename itself is atomic there too. */
+static void sync_folder(const char *path)
+{
+    char       *folder = strdup(path);
+    char       *slash = folder ? strrchr(folder, '/') : NULL;
+    const char *name = ".";
+    if (slash) {
+        slash[slash == folder ? 1 : 0] = '\0';
+        name = folder;
+    }
+    const int fd = folder ? open(name, O_RDONLY | O_DIRECTORY) : -1;
+    if (fd >= 0) {
+        (void)fsync(fd);
+        close(fd);
+    }
+    free(folder);
+}
+
+/* A second name for the old file, so that it never stops existing under its own. */
+static int keep_backup(const char *path, const char *backup)
+{
+    if (access(path, F_OK) != 0)
+        return 0;
+    if (unlink(backup) != 0 && errno != ENOENT)
+        return errno;
+    if (link(path, backup) == 0)
+        return 0;
+    /* No hard links on this file system: copy. */
+    char  *bytes;
+    size_t size;
+    if (lccal_load_file(path, &bytes, &size) != LCCAL_OK)
+        return EIO;
+    const int status = lccal_save_file(backup, bytes, size, false);
+    free(bytes);
+    return status == LCCAL_OK ? 0 : EIO;
+}
+
+int lccal_save_file(const char *path, const void *bytes, size_t size, bool backup)
+{
+    const size_t length = strlen(path);
+    char        *temporary = malloc(length + 8);
+    char        *previous = malloc(length + 2);
+    int          fd = -1;
+    int          error = 0;
+    const char  *step = "write";
+    int          result = LCCAL_OK;
+    if (!temporary || !previous) {
+        result = lccal_fail(LCCAL_FAILED, "out of memory while saving '%s'", path);
+        goto done;
+    }
+    snprintf(temporary, length + 8, "%s.XXXXXX", path);
+    snprintf(previous, length + 2, "%s~", path);
+
+    fd = mkstemp(temporary);
+    if (fd < 0) {
+        result = fail_file(step, path, errno);
+        goto done;
+    }
+    /* The file gets the rights any new file would get, not mkstemp's private ones. */
+    const mode_t mask = umask(0);
+    umask(mask);
+    if (fchmod(fd, 0666 & ~mask) != 0 || !write_all(fd, bytes, size) || fsync(fd) != 0)
+        error = errno;
+    if (close(fd) != 0 && error == 0)
+        error = errno;
+    if (error == 0 && backup) {
+        step = "keep a backup of";
+        error = keep_backup(path, previous);
+    }
+    if (error == 0) {
+        step = "replace";
+        if (rename(temporary, path) != 0)
+            error = errno;
+    }
+    if (error != 0) {
+        unlink(temporary);
+        result = fail_file(step, path, error);
+    } else {
+        sync_folder(path);
+    }
+done:
+    free(temporary);
+    free(previous);
+    return result;
+}
+
+int lccal_load_file(const char *path, char **bytes, size_t *size)
+{
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return lccal_fail(errno == EACCES ? LCCAL_PERMISSION : LCCAL_FAILED,
+                          "cannot read '%s': %s", path, strerror(errno));
+    char  *text = NULL;
+    size_t used = 0, room = 0;
+    int    result = LCCAL_OK;
+    for (;;) {
+        if (room - used < 2) {
+            room = room ? 2 * room : 65536;
+            char *bigger = room <= 2 * (size_t)FILE_LIMIT ? realloc(text, room) : NULL;
+            if (!bigger) {
+                result = lccal_fail(LCCAL_FAILED, "'%s' is too large (over 64 MiB)", path);
+                break;
+            }
+            text = bigger;
+        }
+        errno = 0;
+        const size_t n = fread(text + used, 1, room - used - 1, file);
+        used += n;
+        if (n > 0)
+            continue;
+        if (ferror(file))
+            result = lccal_fail(LCCAL_FAILED, "cannot read '%s': %s", path, strerror(errno));
+        break;
+    }
+    fclose(file);
+    if (result != LCCAL_OK) {
+        free(text);
+        return result;
+    }
+    text[used] = '\0';
+    *bytes = text;
+    *size = used;
+    return LCCAL_OK;
+}

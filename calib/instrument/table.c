@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: MIT */
+#include "instrument/dektronics-printalyzer/printalyzer.h"
+
+#include <string.h>
+
+enum { IDLE_MS = 500, SLOW_IDLE_MS = 2000, SLOW_BAUD = 600 };
+
+const instrument_driver *const instrument_drivers[] = {
+    &printalyzer_driver,
+};
+const size_t instrument_driver_count = sizeof instrument_drivers / sizeof instrument_drivers[0];
+
+static const instrument_driver *find(const char *name, size_t length)
+{
+    for (size_t i = 0; i < instrument_driver_count; i++)
+        if (strlen(instrument_drivers[i]->name) == length &&
+            memcmp(instrument_drivers[i]->name, name, length) == 0)
+            return instrument_drivers[i];
+    return NULL;
+}
+
+static cal_status set_up(const instrument_driver *driver, const char *preset, int timeout_ms,
+                         instrument *in, cal_error *err)
+{
+    transport *port = in->port;
+    memset(in, 0, sizeof *in);
+    in->port = port;
+    in->driver = driver;
+    in->preset = preset;
+    in->idle_ms = IDLE_MS;
+    if (driver->line) {
+        in->idle_ms = driver->line->baud <= SLOW_BAUD ? SLOW_IDLE_MS : IDLE_MS;
+        if (!port->ops->configure)
+            return cal_fail(err, CAL_UNSUPPORTED, "%s is on a serial port, and '%s' is none",
+                            driver->title, port->name);
+        const cal_status status = port->ops->configure(port, driver->line);
+        if (status != CAL_OK)
+            return instrument_fail(in, status, err);
+    }
+    const cal_status status = driver->identify(in, timeout_ms, err);
+    in->noise = 0;
+    return status;
+}
+
+/* Ask the port for each instrument that can say who it is. */
+static cal_status set_up_any(int timeout_ms, instrument *in, cal_error *err)
+{
+    for (size_t i = 0; i < instrument_driver_count; i++) {
+        const cal_status status = set_up(instrument_drivers[i], "", timeout_ms, in, err);
+        if (status != CAL_TIMEOUT && status != CAL_PROTOCOL)
+            return status;
+    }
+    return cal_fail(err, CAL_TIMEOUT,
+                    "nothing known answers on '%s'; switch the instrument on, or name one that "
+                    "only prints: --instrument line:PRESET",
+                    in->port->name);
+}
+
+cal_status instrument_open(const char *name, transport *port, int timeout_ms, instrument *in,
+                           cal_error *err)
+{
+    memset(in, 0, sizeof *in);
+    in->port = port;
+    if (strcmp(name, "auto") == 0)
+        return set_up_any(timeout_ms, in, err);
+    const size_t             length = strcspn(name, ":");
+    const instrument_driver *driver = find(name, length);
+    return set_up(driver, name[length] ? name + length + 1 : "", timeout_ms, in, err);
+}

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
+#include "session/prompt.h"
+#include "lccal.h"
+#include "transport/interrupt.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <stdio.h>
+#include <unistd.h>
+
+/* One byte of stdin, or -1 for its end and -2 for a signal. Unbuffered: what comes after the line
+ * belongs to the next prompt. */
+static int next_byte(void)
+{
+    struct pollfd fds[2] = {{.fd = STDIN_FILENO, .events = POLLIN},
+                            {.fd = interrupt_fd(), .events = POLLIN}};
+    for (;;) {
+        if (interrupt_pending())
+            return -2;
+        if (poll(fds, 2, -1) < 0 && errno != EINTR)
+            return -1;
+        if (!fds[0].revents || interrupt_pending())
+            continue;
+        unsigned char byte;
+        const ssize_t n = read(STDIN_FILENO, &byte, 1);
+        if (n < 0 && (errno == EINTR || errno == EAGAIN))
+            continue;
+        return n == 1 ? byte : -1;
+    }
+}
+
+answer prompt_wait(const char *patch, const char *question)
+{
+    fprintf(stderr, "%s ", question);
+    fflush(stderr);
+    lccal_event_begin("prompt");
+    lccal_event_text("patch", patch);
+    lccal_event_text("text", question);
+    lccal_event_end();
+    const int first = next_byte();
+    for (int byte = first; byte != '\n'; byte = next_byte()) {
+        if (byte == -1)
+            return ANSWER_CLOSED;
+        if (byte == -2)
+            return ANSWER_QUIT;
+    }
+    if (first == 'q' || first == 'Q')
+        return ANSWER_QUIT;
+    return first == 'r' || first == 'R' ? ANSWER_REDO : ANSWER_GO;
+}

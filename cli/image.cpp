@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: MIT */
+#include "image.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace cli
+{
+
+namespace
+{
+
+using InputPointer = std::unique_ptr<OIIO::ImageInput>;
+
+/* A header may promise more than its file holds: no coding of real pictures shrinks them further. */
+constexpr uint64_t largest_ratio = 2048, ratio_floor = uint64_t(1) << 22;
+
+/* OpenImageIO says much on several lines; the first sentence is what people need. */
+std::string first_line(const std::string &text)
+{
+    const std::string line = text.substr(0, text.find('\n'));
+    return line.empty() ? "not a picture OpenImageIO can read" : line;
+}
+
+Image read_opened(OIIO::ImageInput &input, const std::string &name, uint64_t max_pixels,
+                  uint64_t encoded_size)
+{
+    const OIIO::ImageSpec &spec = input.spec();
+    if (spec.deep || spec.depth > 1)
+        fail(Exit::input, "'%s' is a deep or volume picture; lcor takes flat ones", name.c_str());
+    if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0)
+        fail(Exit::input, "'%s' has no pixels", name.c_str());
+    Image image;
+    image.width = static_cast<size_t>(spec.width);
+    image.height = static_cast<size_t>(spec.height);
+    image.channels = static_cast<size_t>(std::min(spec.nchannels, 4));
+    image.format = input.format_name();
+    if (spec.image_pixels() > max_pixels)
+        fail(Exit::input, "'%s' has %zu x %zu pixels, more than the %llu lcor takes here",
+             name.c_str(), image.width, image.height, static_cast<unsigned long long>(max_pixels));
+    const OIIO::TypeDesc type = spec.format;
+    image.type = type == OIIO::TypeDesc::UINT8    ? LCOR_U8
+                 : type == OIIO::TypeDesc::UINT16 ? LCOR_U16
+                                                  : LCOR_F32;
+    const OIIO::TypeDesc wanted = image.type == LCOR_U8    ? OIIO::TypeDesc::UINT8
+                                  : image.type == LCOR_U16 ? OIIO::TypeDesc::UINT16
+                                                           : OIIO::TypeDesc::FLOAT;
+    const uint64_t size = spec.image_pixels() * image.channels * wanted.size();
+    if (encoded_size > 0 && size > ratio_floor && size / largest_ratio > encoded_size)
+        fail(Exit::input, "'%s' claims %zu x %zu pixels in %llu bytes; the file is broken",
+             name.c_str(), image.width, image.height,
+             static_cast<unsigned long long>(encoded_size));
+    image.bytes.resize(size);
+    if (!input.read_image(0, 0, 0, static_cast<int>(image.channels), wanted, image.bytes.data()))
+        fail(Exit::input, "cannot read the pixels of '%s': %s", name.c_str(),
+             first_line(input.geterror()).c_str());
+    return image;
+}
+
+/* Straight colours: what is drawn where, apart from how much of it shows. */
+OIIO::ImageSpec open_hints()
+{
+    OIIO::ImageSpec hints;
+    hints.attribute("oiio:UnassociatedAlpha", 1);
+    return hints;
+}
+
+/* Name whose extension lets OpenImageIO start with the right reader. */
+const char *hint_name(const uint8_t *bytes, size_t size)
+{
+    static const struct {
+        size_t offset, length;
+        const char *magic, *name;
+    } kinds[] = {
+        {0, 3, "\xff\xd8\xff", "x.jpg"}, {0, 4, "\x89PNG", "x.png"},   {8, 4, "WEBP", "x.webp"},
+        {0, 4, "II*\0", "x.tif"},        {0, 4, "MM\0*", "x.tif"},     {0, 4, "\x76\x2f\x31\x01", "x.exr"},
+        {0, 2, "#?", "x.hdr"},           {0, 2, "BM", "x.bmp"},        {0, 4, "GIF8", "x.gif"},
+    };
+    for (const auto &kind : kinds)
+        if (size >= kind.offset + kind.length &&
+            std::memcmp(bytes + kind.offset, kind.magic, kind.length) == 0)
+            return kind.name;
+    return nullptr;
+}
+
+} // namespace
+
+double Image::sample(size_t x, size_t y, size_t channel) const
+{
+    const size_t i = (y * width + x) * channels + channel;
+    if (type == LCOR_U8)
+        return bytes[i] / 255.0;
+    if (type == LCOR_U16) {
+        uint16_t value;
+        std::memcpy(&value, &bytes[i * sizeof value], sizeof value);
+        return value / 65535.0;
+    }
+    float value;
+    std::memcpy(&value, &bytes[i * sizeof value], sizeof value);
+    return static_cast<double>(value);
+}
+
+Image read_image(const std::string &path, uint64_t max_pixels)
+{
+    const OIIO::ImageSpec hints = open_hints();
+    const InputPointer input = OIIO::ImageInput::open(path, &hints);
+    if (!input)
+        fail(Exit::input, "cannot read '%s': %s", path.c_str(), first_line(OIIO::geterror()).c_str());
+    return read_opened(*input, path, max_pixels, 0);
+}
+
+Image decode_image(const uint8_t *bytes, size_t size, const std::string &name, uint64_t max_pixels)
+{
+    const char *const hint = hint_name(bytes, size);
+    if (!hint)
+        fail(Exit::input, "'%s' is not a picture: %zu bytes of no known kind", name.c_str(), size);
+    const OIIO::ImageSpec hints = open_hints();
+    OIIO::Filesystem::IOMemReader reader(bytes, size);
+    const InputPointer input = OIIO::ImageInput::open(hint, &hints, &reader);
+    if (!input)
+        fail(Exit::input, "cannot decode '%s': %s", name.c_str(),
+             first_line(OIIO::geterror()).c_str());
+    return read_opened(*input, name, max_pixels, size);
+}
+
+Map read_map(const std::string &path, const lcor_colour &colour)
+{
+    const Image image = read_image(path);
+    Map map;
+    map.width = image.width;
+    map.height = image.height;
+    map.values.resize(image.width * image.height);
+    for (size_t y = 0; y < image.height; y++)
+        for (size_t x = 0; x < image.width; x++) {
+            double value = 0.0;
+            if (image.channels < 3)
+                value = image.sample(x, y, 0);
+            else
+                for (size_t c = 0; c < 3; c++)
+                    value += colour.to_xyz[3 + c] * image.sample(x, y, c);
+            const float stored = static_cast<float>(value);
+            if (!(stored >= 0.0F) || !std::isfinite(stored))
+                fail(Exit::input, "illuminance map '%s' is %s at pixel (%zu, %zu); it must be 0 or more",
+                     path.c_str(), number_text(value).c_str(), x, y);
+            map.values[y * image.width + x] = stored;
+        }
+    return map;
+}
+
+MapSampler::MapSampler(const Map &map, size_t width, size_t height)
+    : map_(map), width_(width), height_(height), left_(width), weight_(width)
+{
+    for (size_t x = 0; x < width; x++) {
+        const double at = std::clamp((static_cast<double>(x) + 0.5) * static_cast<double>(map.width) /
+                                             static_cast<double>(width) - 0.5,
+                                     0.0, static_cast<double>(map.width - 1));
+        /* The last column is reached from its left neighbour with weight 1. */
+        left_[x] = std::min(static_cast<uint32_t>(at),
+                            static_cast<uint32_t>(map.width > 1 ? map.width - 2 : 0));
+        weight_[x] = static_cast<float>(at - static_cast<double>(left_[x]));
+    }
+}
+
+void MapSampler::row(size_t y, float *out) const
+{
+    if (map_.width == width_ && map_.height == height_) {
+        std::copy_n(&map_.values[y * width_], width_, out);
+        return;
+    }
+    const double at = std::clamp((static_cast<double>(y) + 0.5) * static_cast<double>(map_.height) /
+                                         static_cast<double>(height_) - 0.5,
+                                 0.0, static_cast<double>(map_.height - 1));
+    const size_t above = static_cast<size_t>(at);
+    const size_t below = std::min(above + 1, map_.height - 1);
+    const float t = static_cast<float>(at - static_cast<double>(above));
+    const float *const a = &map_.values[above * map_.width];
+    const float *const b = &map_.values[below * map_.width];
+    const size_t step = map_.width > 1 ? 1 : 0;
+    for (size_t x = 0; x < width_; x++) {
+        const size_t i = left_[x], j = i + step;
+        const float s = weight_[x];
+        const float upper = a[i] + s * (a[j] - a[i]), lower = b[i] + s * (b[j] - b[i]);
+        out[x] = upper + t * (lower - upper);
+    }
+}
+
+} // namespace cli

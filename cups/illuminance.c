@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: MIT */
+#include "illuminance.h"
+
+#include "filter.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define HEADER_MAX 256   /* bytes of header looked at */
+#define SIDE_MAX   65536 /* columns and rows of a map */
+
+/* The next word of a PNM header; '#' starts a comment. Returns its length, 0 at the end. */
+static size_t next_word(const char *text, size_t size, size_t *at, char *word, size_t capacity)
+{
+    size_t i = *at, n = 0;
+    while (i < size && (strchr(" \t\r\n", text[i]) || text[i] == '#')) {
+        if (text[i] == '#')
+            while (i < size && text[i] != '\n')
+                i++;
+        else
+            i++;
+    }
+    while (i < size && !strchr(" \t\r\n", text[i]) && n + 1 < capacity)
+        word[n++] = text[i++];
+    word[n] = '\0';
+    *at = i;
+    return n;
+}
+
+/* A whole number of the header, 1..limit; 0 otherwise. */
+static size_t whole(const char *word, double limit)
+{
+    double x;
+    return filter_number(word, &x) && x >= 1.0 && x <= limit && x == (double)(size_t)x ? (size_t)x
+                                                                                       : 0;
+}
+
+static const char *parse_header(illuminance_map *map, const char *text, size_t size)
+{
+    char word[4][32];
+    size_t at = 0;
+    for (int i = 0; i < 4; i++)
+        if (next_word(text, size, &at, word[i], sizeof word[i]) == 0)
+            return "is no PFM or PGM picture: its header is incomplete";
+    const bool pfm = strcmp(word[0], "Pf") == 0;
+    if (!pfm && strcmp(word[0], "P5") != 0)
+        return "is neither a grey PFM (Pf) nor a binary PGM (P5): convert it, for example with "
+               "oiiotool --ch R -o map.pfm";
+    map->width = whole(word[1], SIDE_MAX);
+    map->height = whole(word[2], SIDE_MAX);
+    if (map->width == 0 || map->height == 0)
+        return "has a size outside 1..65536";
+    map->bottom_up = pfm;
+    map->data = (off_t)(at + 1); /* exactly one white space ends the header */
+    if (pfm) {
+        double order;
+        if (!filter_number(word[3], &order) || order == 0.0)
+            return "has no byte order: the fourth word of a PFM is -1 or 1";
+        map->little_endian = order < 0.0;
+        map->sample_bytes = 4;
+        map->scale = 1.0f;
+    } else {
+        const size_t top = whole(word[3], 65535);
+        if (top == 0)
+            return "has a largest value outside 1..65535";
+        map->little_endian = false;
+        map->sample_bytes = top > 255 ? 2 : 1;
+        map->scale = 1.0f / (float)top;
+    }
+    return NULL;
+}
+
+bool illuminance_open(illuminance_map *map, const char *path)
+{
+    char header[HEADER_MAX];
+    struct stat info;
+    /* O_NONBLOCK: a pipe or device under that name must not hold the job up. */
+    map->fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (map->fd < 0 || fstat(map->fd, &info) != 0) {
+        filter_say("ERROR", "illuminance map %s: %s", path, strerror(errno));
+        illuminance_close(map);
+        return false;
+    }
+    const ssize_t got = S_ISREG(info.st_mode) ? pread(map->fd, header, sizeof header, 0) : -1;
+    const char *why = got < 0 ? "is not a regular file" : parse_header(map, header, (size_t)got);
+    if (!why && (uint64_t)(info.st_size - map->data) !=
+                    (uint64_t)map->width * map->height * map->sample_bytes)
+        why = "is cut short or longer than its header says";
+    if (why) {
+        filter_say("ERROR", "illuminance map %s %s", path, why);
+        illuminance_close(map);
+        return false;
+    }
+    return true;
+}
+
+void illuminance_close(illuminance_map *map)
+{
+    if (map->fd >= 0)
+        close(map->fd);
+    memset(map, 0, sizeof *map);
+    map->fd = -1;
+}
+
+bool illuminance_rows_open(illuminance_rows *rows, const illuminance_map *map, size_t width,
+                           size_t height)
+{
+    memset(rows, 0, sizeof *rows);
+    rows->map = map;
+    rows->width = width;
+    rows->height = height;
+    if (map->width == 0)
+        return true;
+    const size_t w = map->width + 1; /* one more: the last column's right neighbour is itself */
+    rows->left = calloc(width, sizeof *rows->left);
+    rows->share = calloc(width, sizeof *rows->share);
+    rows->rows[0] = calloc(w, sizeof(float));
+    rows->rows[1] = calloc(w, sizeof(float));
+    rows->mixed = calloc(w, sizeof(float));
+    rows->raw = malloc(w * map->sample_bytes);
+    rows->loaded[0] = rows->loaded[1] = SIZE_MAX;
+    if (!rows->left || !rows->share || !rows->rows[0] || !rows->rows[1] || !rows->mixed ||
+        !rows->raw) {
+        illuminance_rows_close(rows);
+        return false;
+    }
+    for (size_t x = 0; x < width; x++) {
+        const double u = ((double)x + 0.5) * (double)map->width / (double)width - 0.5;
+        const double inside = u < 0.0 ? 0.0 : u;
+        rows->left[x] = (size_t)inside < map->width ? (size_t)inside : map->width - 1;
+        rows->share[x] = (float)(inside - (double)rows->left[x]);
+    }
+    return true;
+}
+
+void illuminance_rows_close(illuminance_rows *rows)
+{
+    free(rows->left);
+    free(rows->share);
+    free(rows->rows[0]);
+    free(rows->rows[1]);
+    free(rows->mixed);
+    free(rows->raw);
+    memset(rows, 0, sizeof *rows);
+}
+
+static float sample(const illuminance_map *map, const unsigned char *p)
+{
+    uint32_t bits = 0;
+    for (size_t i = 0; i < map->sample_bytes; i++)
+        bits = bits << 8 | p[map->little_endian ? map->sample_bytes - 1 - i : i];
+    if (map->sample_bytes < 4)
+        return map->scale * (float)bits;
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+/* Map row `y` into slot 0 or 1. */
+static bool load(illuminance_rows *rows, int slot, size_t y)
+{
+    const illuminance_map *map = rows->map;
+    const size_t bytes = map->width * map->sample_bytes;
+    const size_t stored = map->bottom_up ? map->height - 1 - y : y;
+    if (rows->loaded[slot] == y)
+        return true;
+    if (pread(map->fd, rows->raw, bytes, map->data + (off_t)(stored * bytes)) != (ssize_t)bytes)
+        return false;
+    for (size_t x = 0; x < map->width; x++)
+        rows->rows[slot][x] = sample(map, rows->raw + x * map->sample_bytes);
+    rows->rows[slot][map->width] = rows->rows[slot][map->width - 1];
+    rows->loaded[slot] = y;
+    return true;
+}
+
+bool illuminance_row(illuminance_rows *rows, size_t y, size_t first, size_t step, float *out)
+{
+    const illuminance_map *map = rows->map;
+    size_t i = 0;
+    if (map->width == 0) {
+        for (size_t x = first; x < rows->width; x += step)
+            out[i++] = 1.0f;
+        return true;
+    }
+    const double v = ((double)y + 0.5) * (double)map->height / (double)rows->height - 0.5;
+    const double inside = v < 0.0 ? 0.0 : v;
+    const size_t upper = (size_t)inside < map->height ? (size_t)inside : map->height - 1;
+    const size_t lower = upper + 1 < map->height ? upper + 1 : upper;
+    const float share = (float)(inside - (double)upper);
+    /* Even rows live in slot 0 and odd ones in slot 1, so going down a page reads each row once. */
+    const int slot = (int)(upper % 2), other = (int)(lower % 2);
+    if (!load(rows, slot, upper) || !load(rows, other, lower))
+        return false;
+    const float *a = rows->rows[slot], *b = rows->rows[other];
+    for (size_t x = 0; x <= map->width; x++)
+        rows->mixed[x] = a[x] + share * (b[x] - a[x]);
+    for (size_t x = first; x < rows->width; x += step) {
+        const float *left = rows->mixed + rows->left[x];
+        out[i++] = left[0] + rows->share[x] * (left[1] - left[0]);
+    }
+    return true;
+}

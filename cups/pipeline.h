@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT */
+/* Bands of rows on their way through threads: one thread fills them in order, as many as there are
+ * processors work on them in any order, the calling thread empties them in order. Memory is a fixed
+ * number of bands, and what comes out does not depend on the number of threads. */
+#ifndef RASTERTOLCOR_PIPELINE_H
+#define RASTERTOLCOR_PIPELINE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct pipeline_band {
+    size_t         first, rows; /* rows of the page it holds */
+    unsigned char *pixels;
+    void          *extra; /* whatever fill passes to work and empty */
+} pipeline_band;
+
+typedef struct pipeline {
+    size_t height, row_bytes;
+    /* False ends everything, as soon as the bands before it have gone through. */
+    bool (*fill)(void *user, pipeline_band *band);
+    bool (*work)(void *user, size_t worker, pipeline_band *band);
+    bool (*empty)(void *user, pipeline_band *band);
+    void *user;
+} pipeline;
+
+#define PIPELINE_WORKERS_MAX 8
+
+/* Number of workers on this machine, 1..PIPELINE_WORKERS_MAX. */
+size_t pipeline_workers(void);
+/* Rows in a band (the last one may have fewer): about 256 KiB, whatever the machine. */
+size_t pipeline_band_rows(size_t row_bytes);
+/* True if every band went through. False with *no_memory set if it could not start. */
+bool pipeline_run(const pipeline *pipeline, bool *no_memory);
+
+#endif

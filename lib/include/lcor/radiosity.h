@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT */
+/** @file
+ *  Irradiance by radiosity (section 3.1, [Nishimura 1988]) to a requested accuracy.
+ *
+ *  | call                              | may run at the same time as                   |
+ *  |-----------------------------------|-----------------------------------------------|
+ *  | lcor_radiosity_solve              | const calls on the scene                      |
+ *  | calls on a const lcor_solution    | any const calls on it and on its scene        |
+ *  | lcor_solution_update, _free       | nothing on that solution                      |
+ *
+ *  A solution refers to its scene: keep the scene alive until lcor_solution_free. */
+#ifndef LCOR_RADIOSITY_H
+#define LCOR_RADIOSITY_H
+
+#include <lcor/alloc.h>
+#include <lcor/parallel.h>
+#include <lcor/scene.h>
+#include <lcor/status.h>
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct lcor_solution lcor_solution;
+
+/** Error norms over patches of (E - E_true) / max(E_true, 2 % of the scene's area mean). */
+typedef enum lcor_norm {
+    LCOR_NORM_RMS = 0, /**< area-weighted root mean square */
+    LCOR_NORM_MAX = 1  /**< the largest */
+} lcor_norm;
+
+typedef enum lcor_engine { LCOR_ENGINE_AUTO = 0, LCOR_ENGINE_LINKS = 1, LCOR_ENGINE_GATHER = 2 } lcor_engine;
+
+/** Zero it, set struct_size and what differs. */
+typedef struct lcor_radiosity_options {
+    size_t         struct_size;
+    double         tolerance; /**< requested error in `norm`, 1e-5..1; 0 = 0.01 */
+    lcor_norm      norm;
+    lcor_engine    engine;
+    int            channels;    /**< 0: 1 if lights and emission are all grey, else 3 */
+    double         luminance[3]; /**< weights of the channels where they are solved as one; zeros:
+                                      those of BT.709, 0.2126, 0.7152, 0.0722 */
+    double         max_seconds; /**< 0 = no limit; on reaching one the best solution is returned */
+    uint64_t       max_bytes;   /**< with report.converged = 0, not an error */
+    lcor_parallel  parallel;
+    lcor_progress  progress;
+    lcor_allocator allocator;
+} lcor_radiosity_options;
+
+/** What was done and how close it came. */
+typedef struct lcor_radiosity_report {
+    double      error_rms, error_max; /**< estimated; max as sampled */
+    double      energy_defect;        /**< |power in - absorbed - escaped| / power in */
+    int         converged;            /**< the requested norm's estimate is within tolerance */
+    int         iterations;           /**< of the linear solve, last round */
+    int         channels;
+    lcor_engine engine;
+    uint64_t    links, elements, rays, bytes; /**< bytes: the largest held at once */
+    double      seconds;
+    char        models[256]; /**< what the scene required and what was switched off, and why */
+} lcor_radiosity_report;
+
+/** Solve a committed scene.
+ *
+ *  Errors: LCOR_ERR_ARG scene not committed or options wrong; LCOR_ERR_DOMAIN tolerance;
+ *  LCOR_ERR_NOMEM; LCOR_ERR_CANCELLED. A dark scene is no error: all irradiance is 0. */
+LCOR_API lcor_status lcor_radiosity_solve(const lcor_scene *scene,
+                                          const lcor_radiosity_options *options,
+                                          lcor_solution **out, lcor_error *err);
+/** Solve again after lcor_scene_set_light or lcor_scene_set_surface, keeping what still holds. */
+LCOR_API lcor_status lcor_solution_update(lcor_solution *solution, lcor_error *err);
+LCOR_API void        lcor_solution_free(lcor_solution *solution);
+LCOR_API const lcor_radiosity_report *lcor_solution_report(const lcor_solution *solution);
+
+typedef enum lcor_value { LCOR_VALUE_AVERAGE = 0, LCOR_VALUE_CENTRE = 1 } lcor_value;
+
+/** Irradiance of every patch of a surface (facing side). `direct` is what comes from the lights
+ *  without area on a straight way; light of emitting surfaces is in `total` only.
+ *
+ *  @param total, direct  patch count * report.channels values each, channel fastest, patch [i, j]
+ *                        of a quad at i * nv + j; either may be NULL. Unit: the lights' (lux for
+ *                        candela and scene units of metres). */
+LCOR_API lcor_status lcor_solution_patches(const lcor_solution *solution, size_t surface,
+                                           lcor_value value, double *total, double *direct,
+                                           lcor_error *err);
+
+/** Irradiance at n points with unit normals (3 numbers each): direct is exact with its shadows.
+ *  Points on a surface belong to the side their normal is on. n * report.channels values. */
+LCOR_API lcor_status lcor_solution_at(const lcor_solution *solution, size_t n,
+                                      const double *points, const double *normals, double *total,
+                                      double *direct, lcor_error *err);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

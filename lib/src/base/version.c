@@ -1,0 +1,4 @@
+/* SPDX-License-Identifier: MIT */
+#include <lcor/version.h>
+
+const char *lcor_version(void) { return LCOR_VERSION_STRING; }

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT */
+#ifndef LCOR_CORRECT_INTERNAL_H
+#define LCOR_CORRECT_INTERNAL_H
+
+#include <lcor/correct.h>
+
+#include <stddef.h>
+
+/* A digested plan: nothing in it changes after lcor_plan_new. */
+struct lcor_plan {
+    lcor_colour colour;
+    double f_from_rgb[9]; /* linear RGB -> X/X0, Y/Y0, Z/Z0 */
+    double rgb_from_f[9]; /* its inverse */
+    double gain;          /* (1 + 2/(c-1)) / 2 */
+    double r_mean, rho, rho_ratio, exponent;
+    lcor_reading reading;
+    lcor_gamut gamut;
+    lcor_sample in_type, out_type, map_type;
+    lcor_layout in, out;
+    const float *tone; /* in the same allocation, or NULL */
+    size_t tone_size;
+    lcor_allocator allocator;
+};
+
+/* What became of one pixel; bits of a mask. */
+enum {
+    LCOR_PIXEL_LOW = 1,     /* J < J1 */
+    LCOR_PIXEL_HIGH = 2,    /* J > J2 */
+    LCOR_PIXEL_OUTSIDE = 4, /* RGB left 0..1 before the gamut rule */
+    LCOR_PIXEL_BAD = 8      /* rule S10: written as 0 */
+};
+
+/* T = beta rho from eq 12 in its stable form, not clamped: q = r / r_mean >= 0. */
+double lcor_internal_display(double q, double exponent, double gain);
+/* k of eq 16 from the CIE lightness, for reflectances y before and y_new after (rules S5, S6). */
+double lcor_internal_chroma_factor(double y, double y_new);
+/* The reference: one linear RGB pixel in double, corrected to linear RGB in 0..1. Returns bits. */
+unsigned lcor_internal_correct_pixel(const lcor_plan *plan, const double rgb[3], double illuminance,
+                                     double rho, double out[3]);
+
+#endif

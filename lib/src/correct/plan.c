@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: MIT */
+#include "correct/internal.h"
+
+#include "base/internal.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+static lcor_status check_numbers(const lcor_plan_options *o, lcor_error *err)
+{
+    if (!(o->contrast > 1.0))
+        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1, "contrast must be > 1 (eq 13a)");
+    if (!(o->r_mean >= 0.0 && o->r_mean <= DBL_MAX))
+        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1,
+                                  "r_mean must be finite and >= 0 (section 4.3)");
+    if (!(o->rho >= 0.0 && o->rho <= 1.0))
+        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1, "rho must be in 0..1 (section 4.2)");
+    if (!(o->rho_ratio >= 0.0 && o->rho_ratio <= DBL_MAX))
+        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1,
+                                  "rho_ratio must be finite and >= 0 (section 5.2)");
+    if (!(o->exponent >= 0.0 && o->exponent <= DBL_MAX))
+        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1,
+                                  "exponent must be finite and >= 0 (t of eq 8)");
+    return LCOR_OK;
+}
+
+static lcor_status check_choices(const lcor_plan_options *o, lcor_error *err)
+{
+    if ((unsigned)o->reading > LCOR_READING_TEXEL)
+        return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "unknown reading %d", (int)o->reading);
+    if ((unsigned)o->gamut > LCOR_GAMUT_CLIP)
+        return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "unknown gamut rule %d", (int)o->gamut);
+    if ((unsigned)o->in_type > LCOR_U16 || (unsigned)o->out_type > LCOR_U16)
+        return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "unknown sample type %d or %d",
+                                  (int)o->in_type, (int)o->out_type);
+    if (o->map_type != LCOR_F32 && o->map_type != LCOR_F64)
+        return lcor_internal_fail(err, LCOR_ERR_ARG, -1,
+                                  "map_type must be LCOR_F32 or LCOR_F64, not %d",
+                                  (int)o->map_type);
+    return LCOR_OK;
+}
+
+/* Channels of one pixel, or of neighbours, must not fall on one another. */
+static lcor_status check_layout(lcor_layout *layout, const char *which, lcor_error *err)
+{
+    const size_t p = layout->pixel_step, c = layout->channel_step;
+
+    if (p == 0 && c == 0) {
+        layout->pixel_step = 3;
+        layout->channel_step = 1;
+        return LCOR_OK;
+    }
+    if (p == 0 || c == 0 || (p < c && c % p != 0 && c < 3 * p) || (p >= c && p < 2 * c + 1) ||
+        p > (size_t)-1 / 64 || c > (size_t)-1 / 64)
+        return lcor_internal_fail(err, LCOR_ERR_ARG, -1,
+                                  "%s: samples overlap (interleaved is {3, 1}, planar {1, size})",
+                                  which);
+    return LCOR_OK;
+}
+
+static lcor_status check_tone(const lcor_plan_options *o, lcor_error *err)
+{
+    if ((o->tone_curve == NULL) != (o->tone_size == 0) || o->tone_size == 1 ||
+        o->tone_size > (1u << 24))
+        return lcor_internal_fail(err, LCOR_ERR_ARG, -1,
+                                  "tone_curve needs a tone_size of 2 or more, and only then");
+    for (size_t i = 0; i < o->tone_size; i++)
+        if (!(o->tone_curve[i] >= 0.0f && o->tone_curve[i] <= 1.0f) ||
+            (i > 0 && o->tone_curve[i] < o->tone_curve[i - 1]))
+            return lcor_internal_fail(err, LCOR_ERR_DOMAIN, (long)i,
+                                      "tone_curve[%zu] must be in 0..1 and not below the one "
+                                      "before it",
+                                      i);
+    return LCOR_OK;
+}
+
+static void digest(lcor_plan *p, const lcor_plan_options *o)
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            p->f_from_rgb[3 * i + j] = p->colour.to_xyz[3 * i + j] / p->colour.white[i];
+            p->rgb_from_f[3 * i + j] = p->colour.from_xyz[3 * i + j] * p->colour.white[j];
+        }
+    p->gain = 0.5 * (1.0 + 2.0 / (o->contrast - 1.0));
+    p->r_mean = o->r_mean;
+    p->rho = o->rho > 0.0 ? o->rho : 0.5;
+    p->rho_ratio = o->rho_ratio > 0.0 ? o->rho_ratio : 1.0;
+    p->exponent = o->exponent > 0.0 ? o->exponent : 1.0;
+    p->reading = o->reading;
+    p->gamut = o->gamut;
+    p->in_type = o->in_type;
+    p->out_type = o->out_type;
+    p->map_type = o->map_type;
+}
+
+lcor_status lcor_plan_new(const lcor_plan_options *options, lcor_plan **out, lcor_error *err)
+{
+    lcor_plan_options o;
+    lcor_plan p, *plan;
+    lcor_status status;
+    size_t size;
+
+    if (options == NULL || out == NULL)
+        return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "options or out is NULL");
+    if (options->struct_size != sizeof o)
+        return lcor_internal_fail(err, LCOR_ERR_ARG, -1,
+                                  "options.struct_size must be sizeof(lcor_plan_options)");
+    o = *options;
+    memset(&p, 0, sizeof p);
+    if ((status = check_numbers(&o, err)) != LCOR_OK ||
+        (status = check_choices(&o, err)) != LCOR_OK ||
+        (status = check_layout(&o.in_layout, "in_layout", err)) != LCOR_OK ||
+        (status = check_layout(&o.out_layout, "out_layout", err)) != LCOR_OK ||
+        (status = check_tone(&o, err)) != LCOR_OK ||
+        (status = lcor_internal_allocator(&o.allocator, &p.allocator, err)) != LCOR_OK)
+        return status;
+    if (o.colour != NULL)
+        p.colour = *o.colour;
+    else if ((status = lcor_colour_init(&p.colour, LCOR_PRIMARIES_NTSC, NULL, LCOR_TRANSFER_LINEAR,
+                                        1.0, LCOR_LIGHTNESS_CIE, err)) != LCOR_OK)
+        return status;
+    p.in = o.in_layout;
+    p.out = o.out_layout;
+    digest(&p, &o);
+
+    size = sizeof p + o.tone_size * sizeof *o.tone_curve; /* both bounded above */
+    plan = lcor_internal_alloc(&p.allocator, size);
+    if (plan == NULL)
+        return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory for a plan of %zu bytes",
+                                  size);
+    if (o.tone_size != 0) {
+        float *tone = (float *)(void *)(plan + 1);
+
+        memcpy(tone, o.tone_curve, o.tone_size * sizeof *tone);
+        p.tone = tone;
+        p.tone_size = o.tone_size;
+    }
+    *plan = p;
+    *out = plan;
+    return LCOR_OK;
+}
+
+void lcor_plan_free(lcor_plan *plan)
+{
+    if (plan != NULL) {
+        const lcor_allocator allocator = plan->allocator;
+
+        lcor_internal_free(&allocator, plan);
+    }
+}

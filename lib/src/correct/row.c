@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: MIT */
+/* Rows: samples in and out of any type and layout around the kernels. */
+#include "correct/internal.h"
+
+#include "colour/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static double load(const void *base, lcor_sample type, size_t i)
+{
+    switch (type) {
+    case LCOR_F32: return (double)((const float *)base)[i];
+    case LCOR_F64: return ((const double *)base)[i];
+    case LCOR_U8: return ((const unsigned char *)base)[i] / 255.0;
+    case LCOR_U16: return ((const uint16_t *)base)[i] / 65535.0;
+    }
+    return 0.0;
+}
+
+static void store(void *base, lcor_sample type, size_t i, double v)
+{
+    switch (type) {
+    case LCOR_F32: ((float *)base)[i] = (float)v; break;
+    case LCOR_F64: ((double *)base)[i] = v; break;
+    case LCOR_U8: ((unsigned char *)base)[i] = (unsigned char)(v * 255.0 + 0.5); break;
+    case LCOR_U16: ((uint16_t *)base)[i] = (uint16_t)(v * 65535.0 + 0.5); break;
+    }
+}
+
+/* The device's answer to linear 0..1: its tone curve, or the transfer function. */
+static double encode(const lcor_plan *p, double linear)
+{
+    double x, i;
+
+    if (p->tone == NULL)
+        return lcor_transfer_from_linear(&p->colour, linear);
+    x = linear * (double)(p->tone_size - 1);
+    i = fmin(floor(x), (double)(p->tone_size - 2));
+    x -= i;
+    return (double)p->tone[(size_t)i] * (1.0 - x) + (double)p->tone[(size_t)i + 1] * x;
+}
+
+static void load_linear(const lcor_plan *p, const void *texels, size_t i, double rgb[3])
+{
+    for (size_t c = 0; c < 3; c++)
+        rgb[c] = lcor_transfer_to_linear(
+            &p->colour, load(texels, p->in_type, i * p->in.pixel_step + c * p->in.channel_step));
+}
+
+static void store_encoded(const lcor_plan *p, void *out, size_t i, const double rgb[3])
+{
+    for (size_t c = 0; c < 3; c++)
+        store(out, p->out_type, i * p->out.pixel_step + c * p->out.channel_step, encode(p, rgb[c]));
+}
+
+static void count(lcor_row_stats *stats, size_t row, size_t pixel, unsigned flags)
+{
+    if ((flags & LCOR_PIXEL_BAD) && stats->non_finite++ == 0) {
+        stats->first_bad_row = row;
+        stats->first_bad_pixel = pixel;
+    }
+    stats->clipped_low += (flags & LCOR_PIXEL_LOW) != 0;
+    stats->clipped_high += (flags & LCOR_PIXEL_HIGH) != 0;
+    stats->out_of_gamut += (flags & LCOR_PIXEL_OUTSIDE) != 0;
+}
+
+void lcor_plan_reflectance_row(const lcor_plan *plan, size_t n, const void *texels,
+                               const void *illuminance, const void *rho, double *r)
+{
+    for (size_t i = 0; i < n; i++) {
+        double reflectance = rho != NULL ? load(rho, plan->map_type, i) : plan->rho;
+
+        if (plan->reading == LCOR_READING_TEXEL) {
+            double rgb[3];
+
+            load_linear(plan, texels, i, rgb);
+            lcor_internal_mat3_apply(plan->f_from_rgb, rgb, rgb);
+            reflectance = rgb[1] * plan->rho_ratio;
+        }
+        r[i] = load(illuminance, plan->map_type, i) * reflectance;
+        if (!(r[i] >= 0.0 && isfinite(r[i])))
+            r[i] = 0.0;
+    }
+}
+
+void lcor_correct_row(const lcor_plan *plan, size_t row, size_t n, const void *texels,
+                      const void *illuminance, const void *rho, void *out, lcor_row_stats *stats)
+{
+    for (size_t i = 0; i < n; i++) {
+        double rgb[3];
+        unsigned flags;
+
+        load_linear(plan, texels, i, rgb);
+        flags = lcor_internal_correct_pixel(plan, rgb, load(illuminance, plan->map_type, i),
+                                            rho != NULL ? load(rho, plan->map_type, i) : plan->rho,
+                                            rgb);
+        store_encoded(plan, out, i, rgb);
+        if (stats != NULL && flags != 0)
+            count(stats, row, i, flags);
+    }
+    if (stats != NULL)
+        stats->pixels += n;
+}
+
+void lcor_conventional_row(const lcor_plan *plan, size_t row, size_t n, const void *texels,
+                           const void *illuminance, const void *rho, void *out,
+                           lcor_row_stats *stats)
+{
+    for (size_t i = 0; i < n; i++) {
+        const double light = load(illuminance, plan->map_type, i) *
+                             (rho != NULL ? load(rho, plan->map_type, i) : plan->rho);
+        double rgb[3];
+        unsigned flags = 0;
+
+        load_linear(plan, texels, i, rgb);
+        for (int c = 0; c < 3; c++) {
+            const double v = rgb[c] * light; /* eq 19 */
+
+            if (!(v >= 0.0 && isfinite(v)))
+                flags |= LCOR_PIXEL_BAD;
+            else if (v > 1.0)
+                flags |= LCOR_PIXEL_OUTSIDE;
+            rgb[c] = fmin(v, 1.0);
+        }
+        if (flags & LCOR_PIXEL_BAD) {
+            flags = LCOR_PIXEL_BAD;
+            memset(rgb, 0, sizeof rgb);
+        }
+        store_encoded(plan, out, i, rgb);
+        if (stats != NULL && flags != 0)
+            count(stats, row, i, flags);
+    }
+    if (stats != NULL)
+        stats->pixels += n;
+}

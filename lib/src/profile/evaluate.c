@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: MIT */
+/* What the readings say about the device: white, black, contrast and how well it is known. */
+#include "profile/internal.h"
+
+#include "base/internal.h"
+
+#include <lcor/adapt.h>
+
+#include <math.h>
+#include <stdlib.h>
+
+static int all_near(const double *values, int n, double wanted)
+{
+    for (int i = 0; i < n; i++)
+        if (!(fabs(values[i] - wanted) <= 0.005))
+            return 0;
+    return 1;
+}
+
+int lcor_internal_is_white(const lcor_profile_reading *r)
+{
+    return ((r->has & LCOR_HAS_RGB) && all_near(r->rgb, 3, 255.0)) ||
+           ((r->has & LCOR_HAS_CMYK) && all_near(r->cmyk, 4, 0.0));
+}
+
+int lcor_internal_is_full_black(const lcor_profile_reading *r)
+{
+    return ((r->has & LCOR_HAS_RGB) && all_near(r->rgb, 3, 0.0)) ||
+           ((r->has & LCOR_HAS_CMYK) && all_near(r->cmyk, 3, 0.0) &&
+            all_near(r->cmyk + 3, 1, 100.0));
+}
+
+double lcor_internal_density(const lcor_profile_reading *r)
+{
+    return r->has & LCOR_HAS_VISUAL ? r->density[3] : -log10(r->xyz[1] / 100.0);
+}
+
+static int same_device_values(const lcor_profile_reading *a, const lcor_profile_reading *b)
+{
+    for (int i = 0; i < 3; i++)
+        if ((a->has & LCOR_HAS_RGB) && fabs(a->rgb[i] - b->rgb[i]) > 0.005)
+            return 0;
+    for (int i = 0; i < 4; i++)
+        if ((a->has & LCOR_HAS_CMYK) && fabs(a->cmyk[i] - b->cmyk[i]) > 0.005)
+            return 0;
+    return 1;
+}
+
+static const lcor_profile_reading *darkest(const lcor_profile *profile)
+{
+    const lcor_profile_reading *found = NULL;
+    for (size_t i = 0; i < profile->count; i++) {
+        const lcor_profile_reading *r = &profile->readings[i];
+        if (!r->rejected && (!found || lcor_internal_density(r) > lcor_internal_density(found)))
+            found = r;
+    }
+    return found;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+typedef struct patch_statistics {
+    size_t n;
+    double median;
+    double u;       /* standard uncertainty of the median; 0: not known */
+    double freedom; /* degrees of freedom of u */
+} patch_statistics;
+
+/* Variance of the median of n normal readings over that of one of them. */
+static double median_variance(size_t n)
+{
+    /* n = 2..10: order statistics of the normal distribution; beyond, its expansion in 1/n, within
+     * 1 % there. */
+    static const double exact[] = {0.5,    0.4487, 0.2982, 0.2868, 0.2147,
+                                   0.2104, 0.1682, 0.1661, 0.1383};
+    if (n <= 10)
+        return exact[n - 2];
+    const double m = (double)n;
+    return 1.5707963267948966 / (m + (n % 2 ? 0.5707963267948966 : 1.3));
+}
+
+/* `sorted` are the densities of one patch, `step` the resolution there. */
+static patch_statistics describe(const double *sorted, size_t n, double step)
+{
+    patch_statistics patch = {.n = n, .freedom = 1e9};
+    patch.median = n % 2 ? sorted[n / 2] : 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]);
+    if (n < 2)
+        return patch;
+    double mean = 0.0, squares = 0.0;
+    for (size_t i = 0; i < n; i++)
+        mean += sorted[i] / (double)n;
+    for (size_t i = 0; i < n; i++)
+        squares += (sorted[i] - mean) * (sorted[i] - mean);
+    const double spread = squares / (double)(n - 1) * median_variance(n);
+    const double rounding = step * step / 12.0; /* of one reading, uniform over a step */
+    /* Noise larger than a step dithers the rounding away; smaller noise leaves it whole. */
+    if (spread > rounding)
+        patch.freedom = (double)(n - 1);
+    patch.u = sqrt(spread > rounding ? spread : rounding);
+    return patch;
+}
+
+/* Two-sided 95 % quantile of Student's t: Cornish-Fisher's expansion about 1.96 for many degrees of
+ * freedom, exact forms for 1 and 2. Within 0.3 % of the tables for 3 and more. */
+static double student95(double freedom)
+{
+    static const double table[] = {12.706, 4.3027, 3.1824, 2.7764, 2.5706};
+    if (freedom < 5.0) { /* between whole numbers: linear in 1/freedom */
+        const int i = freedom < 1.0 ? 1 : (int)freedom;
+        const double f = freedom < 1.0 ? 1.0 : freedom;
+        const double w = (1.0 / i - 1.0 / f) / (1.0 / i - 1.0 / (i + 1));
+        return table[i - 1] + w * (table[i] - table[i - 1]);
+    }
+    const double z = 1.959963985, z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
+    return z + (z3 + z) / (4.0 * freedom) +
+           (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * freedom * freedom) +
+           (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * freedom * freedom * freedom);
+}
+
+/* Sorted densities of the readings `wanted` accepts, and the resolution in density there. */
+typedef int (*patch_test)(const lcor_profile_reading *r, const lcor_profile_reading *like);
+
+static int is_white(const lcor_profile_reading *r, const lcor_profile_reading *like)
+{
+    (void)like;
+    return lcor_internal_is_white(r);
+}
+
+static int is_full_black(const lcor_profile_reading *r, const lcor_profile_reading *like)
+{
+    (void)like;
+    return lcor_internal_is_full_black(r);
+}
+
+static patch_statistics gather(const lcor_profile *profile, patch_test wanted,
+                               const lcor_profile_reading *like, double *scratch)
+{
+    size_t n = 0;
+    double step = 0.0;
+    for (size_t i = 0; i < profile->count; i++) {
+        const lcor_profile_reading *r = &profile->readings[i];
+        if (r->rejected || !wanted(r, like))
+            continue;
+        step = r->has & LCOR_HAS_VISUAL ? profile->resolution
+                                        : profile->resolution / r->xyz[1] / 2.302585092994046;
+        scratch[n++] = lcor_internal_density(r);
+    }
+    if (n == 0)
+        return (patch_statistics){.n = 0};
+    qsort(scratch, n, sizeof *scratch, by_value);
+    return describe(scratch, n, step);
+}
+
+static lcor_status combine(patch_statistics white, patch_statistics black, lcor_profile_result *out,
+                           lcor_error *err)
+{
+    lcor_profile_result result = {.d_min = white.median,
+                                  .d_max = black.median,
+                                  .u_min = white.u,
+                                  .u_max = black.u,
+                                  .n_min = white.n,
+                                  .n_max = black.n};
+    lcor_status status =
+        lcor_contrast_from_density(black.median, white.median, &result.contrast, err);
+    if (status != LCOR_OK)
+        return status;
+    if (white.n > 1 && black.n > 1) {
+        const double a = white.u * white.u, b = black.u * black.u, sum = a + b;
+        if (sum > 0.0) { /* Welch-Satterthwaite */
+            const double freedom = sum * sum / (a * a / white.freedom + b * b / black.freedom);
+            result.contrast_u95 =
+                lcor_contrast_u95(result.contrast, black.u, white.u) / 1.96 * student95(freedom);
+        }
+    }
+    *out = result;
+    return LCOR_OK;
+}
+
+lcor_status lcor_profile_evaluate(const lcor_profile *profile, lcor_profile_result *out,
+                                  lcor_error *err)
+{
+    if (!profile || !out)
+        return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "profile or result is NULL");
+    const lcor_profile_reading *like = darkest(profile);
+    if (!like)
+        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1, "the profile holds no readings");
+    double *scratch = lcor_internal_alloc(&profile->allocator, profile->count * sizeof *scratch);
+    if (!scratch)
+        return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory to sort the readings");
+    const patch_statistics white = gather(profile, is_white, NULL, scratch);
+    const patch_statistics black = profile->black == LCOR_BLACK_DARKEST
+                                       ? gather(profile, same_device_values, like, scratch)
+                                       : gather(profile, is_full_black, NULL, scratch);
+    lcor_internal_free(&profile->allocator, scratch);
+    if (white.n == 0)
+        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1,
+                                  "no reading of white (RGB 255 255 255, or CMYK 0 0 0 0)");
+    if (black.n == 0)
+        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1,
+                                  "no reading of black (RGB 0 0 0, or K 100 %% alone)");
+    return combine(white, black, out, err);
+}
+
+double lcor_profile_contrast(const lcor_profile *profile)
+{
+    lcor_profile_result result;
+    return lcor_profile_evaluate(profile, &result, NULL) == LCOR_OK ? result.contrast : 0.0;
+}
+
+double lcor_profile_contrast_u95(const lcor_profile *profile)
+{
+    lcor_profile_result result;
+    return lcor_profile_evaluate(profile, &result, NULL) == LCOR_OK ? result.contrast_u95 : 0.0;
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+#include "radiosity/direct.h"
+
+#include "geometry/vec.h"
+
+#include <math.h>
+
+/* KHR_lights_punctual: squared linear ramp between the cosines of the two cones. */
+static double spot_factor(const lcor_light *light, double cosine)
+{
+    const double inner = cos(light->inner_cone), outer = cos(light->outer_cone);
+    const double ramp = (cosine - outer) / fmax(0.001, inner - outer);
+    const double part = ramp < 0 ? 0 : ramp > 1 ? 1 : ramp;
+
+    return part * part;
+}
+
+/* KHR_lights_punctual: window that brings the light to zero at its range. */
+static double range_factor(const lcor_light *light, double distance)
+{
+    const double q = distance / light->range;
+
+    if (!(light->range > 0))
+        return 1;
+    return q < 1 ? 1 - q * q * q * q : 0;
+}
+
+double lcor_direct_unshadowed(const lcor_light *light, const double x[3], const double normal[3])
+{
+    double to[3], distance, cosine, value;
+
+    if (light->kind == LCOR_LIGHT_DIRECTIONAL)
+        return fmax(0, -vec_dot(light->direction, normal));
+    vec_sub(light->position, x, to);
+    distance = vec_normalize(to);
+    cosine = vec_dot(to, normal);
+    if (!(cosine > 0))
+        return 0;
+    value = cosine / distance / distance * range_factor(light, distance);
+    if (light->kind == LCOR_LIGHT_SPOT)
+        value *= spot_factor(light, -vec_dot(to, light->direction));
+    return value;
+}
+
+int lcor_direct_shadowed(const lcor_scene *scene, const lcor_light *light, const double x[3],
+                         uint32_t skip, uint32_t *cache)
+{
+    if (light->kind == LCOR_LIGHT_DIRECTIONAL) {
+        const double towards[3] = {-light->direction[0], -light->direction[1],
+                                   -light->direction[2]};
+
+        return lcor_scene_blocked_towards(scene, x, towards, skip, cache);
+    }
+    return lcor_scene_blocked(scene, x, light->position, skip, cache);
+}

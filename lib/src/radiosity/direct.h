@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/* Light that arrives straight from lights without area. */
+#ifndef LCOR_RADIOSITY_DIRECT_H
+#define LCOR_RADIOSITY_DIRECT_H
+
+#include "scene/scene_internal.h"
+
+#include <lcor/radiosity.h>
+
+/* Irradiance of light `index` at x facing along `normal`, for intensity 1 and without shadow; 0
+ * where the light is behind. */
+double lcor_direct_unshadowed(const lcor_light *light, const double x[3], const double normal[3]);
+
+/* Whether something stands between x and the light; `skip` is the surface x lies on, or
+ * LCOR_BVH_NONE. */
+int lcor_direct_shadowed(const lcor_scene *scene, const lcor_light *light, const double x[3],
+                         uint32_t skip, uint32_t *cache);
+
+/* Direct irradiance at x, all lights, with shadows: report.channels values. Starts no parallel
+ * work, so tasks may call it. */
+void lcor_solution_direct_at(const lcor_solution *solution, const double x[3],
+                             const double normal[3], uint32_t skip, double *irradiance);
+
+#endif
