@@ -106,7 +106,7 @@ int lccal_load_file(const char *path, char **bytes, size_t *size);
 /* ---- measuring ---- */
 
 typedef struct lccal_measure_options {
-    const char *port;       /* NULL: the only known instrument plugged in */
+    const char *port;       /* never NULL; lccal_find_port finds one */
     const char *instrument; /* NULL: auto */
     const char *record;     /* NULL, or where to write the dialogue with the instrument */
     const char *journal;    /* NULL: none */
@@ -119,8 +119,13 @@ typedef struct lccal_measure_options {
     bool        resume;     /* take up the journal */
 } lccal_measure_options;
 
-/* Guide the user through the patches and return the readings as a profile (free it). Failure is
- * told to the user; returns an exit code. */
+/* The port and driver of the only known instrument that is plugged in and usable. Failure is told to
+ * the user; returns an exit code. */
+int lccal_find_port(char *port, size_t capacity, const char **instrument);
+
+/* Guide the user through the patches and return the readings as a profile (free it). The journal is
+ * left for the caller to remove once the profile is stored. Failure is told to the user; returns an
+ * exit code. */
 int lccal_measure(const lccal_measure_options *options, lcor_profile **out);
 
 #endif

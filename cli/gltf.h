@@ -81,6 +81,10 @@ Contents load_gltf(const std::string &path, Threads &threads);
 Contents parse_gltf(const std::string &bytes, const std::string &name, const std::string &folder,
                     Threads &threads);
 
+/* Merge, judge and commit what a file holds. */
+Scene build_scene(Contents contents, const SceneOptions &options, const std::string &name,
+                  Threads &threads);
+
 /* ---- between the files of the reader ---- */
 
 /* Raw bytes of the model's images, as found: decoding comes later. */

@@ -30,32 +30,6 @@ Image read_image(const std::string &path, uint64_t max_pixels = uint64_t(1) << 2
 Image decode_image(const uint8_t *bytes, size_t size, const std::string &name,
                    uint64_t max_pixels = uint64_t(1) << 28);
 
-/* Illuminance on a grid of pixels. */
-struct Map {
-    size_t width = 0, height = 0;
-    std::vector<float> values;
-};
-
-/* A picture file as illuminance: its one channel, or the Y of three by the colour's matrix; stored
- * integers are linear numbers 0..1. Values that are negative or not finite are an error. */
-Map read_map(const std::string &path, const lcor_colour &colour);
-
-/* A map under a picture of another size: bilinear between pixel centres, which are aligned, and
- * constant beyond the outer ones. */
-class MapSampler
-{
-  public:
-    MapSampler(const Map &map, size_t width, size_t height);
-    /* Values under the pixels of row `y` of the picture. Any thread. */
-    void row(size_t y, float *out) const;
-
-  private:
-    const Map &map_;
-    size_t width_, height_;
-    std::vector<uint32_t> left_; /* of the two map columns between which a pixel lies */
-    std::vector<float> weight_;  /* of the right one */
-};
-
 } // namespace cli
 
 #endif

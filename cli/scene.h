@@ -7,6 +7,7 @@
 #include "cli.h"
 #include "image.h"
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -52,6 +53,8 @@ struct SurfaceInfo {
     double reflectance;         /* rho [1] as solved: luminance */
     double texture_reflectance; /* area mean of what is drawn: 5.2's factor is the ratio of the two */
     double area;
+    bool quad;                /* else a triangle */
+    std::array<size_t, 2> patches; /* grid; a triangle's two are equal */
     std::string name; /* node and primitive, for messages */
 };
 
@@ -59,7 +62,6 @@ struct SceneCamera {
     std::string name;
     lcor_camera camera; /* size_x and size_y are 0 */
     double aspect;      /* width / height as the file asks, 0: not said */
-    bool one_sided;     /* surfaces are not drawn from behind (extras lcor_look_in) */
 };
 
 struct Scene {
@@ -87,7 +89,8 @@ struct SceneOptions {
     std::vector<std::string> lights; /* --light x,y,z,I */
     bool need_light = true;
 
-    void declare(Options &options);
+    void declare(Options &options);       /* with --patches N */
+    void declare_light(Options &options); /* all but --patches */
 };
 
 /* Load, merge, judge, commit. Warnings are said once each. Exit::input names file, node and reason;

@@ -1,8 +1,5 @@
 # Build-only flags: an interface target linked PRIVATE and never exported.
 add_library(lcor_flags INTERFACE)
-target_compile_features(lcor_flags INTERFACE c_std_99)
-set(CMAKE_C_EXTENSIONS OFF)
-set(CMAKE_CXX_EXTENSIONS OFF)
 if(NOT MSVC)
   # -ffp-contract=off keeps results the same bytes on every compiler and CPU; -fno-math-errno and
   # -fno-trapping-math change no value and let loops vectorise.

@@ -7,6 +7,7 @@
 #include "illuminance.h"
 
 #include <cups/cups.h>
+#include <cups/ppd.h>
 #include <cups/raster.h>
 #include <lcor/lcor.h>
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "filter.h"
 
-#include <cups/ppd.h>
 
 #include <errno.h>
 #include <fcntl.h>
@@ -196,9 +195,9 @@ static bool load_device(filter_job *job, const source *from)
     char path[PATH_SIZE];
     if (!find_file(from, "lcor-profile", path) || !number(from, "lcor-contrast", &job->contrast))
         return false;
-    if (path[0] && job->contrast <= 0.0)
+    if (path[0] && job->contrast == 0.0)
         return load_profile(job, path);
-    if (job->contrast > 0.0)
+    if (job->contrast != 0.0)
         return true;
     filter_say("ERROR", "no device profile: measure the printer with lccal and set lcor-profile, "
                         "or set lcor-contrast");

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #define BAND_BYTES ((size_t)256 * 1024)
-#define SLOTS_MAX  (PIPELINE_WORKERS_MAX + 2) /* one being filled, one being emptied */
 
 /* What has been done with a band. GONE is EMPTY for the next band of the same slot. */
 enum stage { EMPTY = 0, FULL = 1, DONE = 2, GONE = 3 };
@@ -16,8 +15,8 @@ typedef struct belt {
     const pipeline *pipeline;
     size_t band_rows, band_count; /* of the whole page */
     size_t slots;                 /* bands in memory: band i lies in slot i % slots */
-    pipeline_band bands[SLOTS_MAX];
-    size_t reached[SLOTS_MAX]; /* GONE * (i / slots) + stage, of band i in that slot */
+    pipeline_band bands[PIPELINE_SLOTS_MAX];
+    size_t reached[PIPELINE_SLOTS_MAX]; /* GONE * (i / slots) + stage, of band i in that slot */
     size_t taken;              /* bands that workers have asked for */
     size_t usable;             /* bands before the first one that failed */
     pthread_mutex_t lock;
@@ -141,6 +140,7 @@ bool pipeline_run(const pipeline *p, bool *no_memory)
         b.slots = b.band_count;
     *no_memory = false;
     for (size_t i = 0; i < b.slots; i++) {
+        b.bands[i].slot = i;
         b.bands[i].pixels = malloc(b.band_rows * p->row_bytes);
         if (!b.bands[i].pixels)
             *no_memory = true;

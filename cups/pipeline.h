@@ -11,7 +11,7 @@
 typedef struct pipeline_band {
     size_t         first, rows; /* rows of the page it holds */
     unsigned char *pixels;
-    void          *extra; /* whatever fill passes to work and empty */
+    size_t         slot;        /* 0..PIPELINE_SLOTS_MAX-1: which of the bands in memory it is */
 } pipeline_band;
 
 typedef struct pipeline {
@@ -24,6 +24,7 @@ typedef struct pipeline {
 } pipeline;
 
 #define PIPELINE_WORKERS_MAX 8
+#define PIPELINE_SLOTS_MAX   (PIPELINE_WORKERS_MAX + 2) /* one being filled, one being emptied */
 
 /* Number of workers on this machine, 1..PIPELINE_WORKERS_MAX. */
 size_t pipeline_workers(void);

@@ -113,6 +113,8 @@ static ssize_t read_and_keep(void *context, unsigned char *buffer, size_t size)
     const ssize_t got = reader->read(reader->context, buffer, size);
     for (ssize_t i = 0; i < got && reader->seen < sizeof reader->sync; i++)
         reader->sync[reader->seen++] = buffer[i];
+    reader->ended = got == 0;
+    reader->since += got > 0 ? (size_t)got : 0;
     return got;
 }
 
@@ -131,6 +133,15 @@ const char *raster_reader_open(raster_reader *reader, cups_raster_iocb_t read, v
     return NULL;
 }
 
+bool raster_read_header(raster_reader *reader, cups_page_header2_t *header, bool *damaged)
+{
+    reader->since = 0;
+    const bool good = cupsRasterReadHeader2(reader->raster, header) != 0;
+    /* libcups tells neither a header it rejects nor a part of one from the end of the stream. */
+    *damaged = !good && (!reader->ended || reader->since > 0);
+    return good;
+}
+
 /* libcups' PWG writer leaves out most of the header: image box, print quality, vendor data. It
  * passes the header here in one piece, so ours can take its place. */
 static ssize_t write_or_replace(void *context, unsigned char *buffer, size_t size)
@@ -145,7 +156,7 @@ static ssize_t write_or_replace(void *context, unsigned char *buffer, size_t siz
 bool raster_writer_open(raster_writer *writer, const raster_reader *reader,
                         const cups_page_header2_t *first, cups_raster_iocb_t write, void *context)
 {
-    cups_raster_mode_t mode = CUPS_RASTER_WRITE;
+    cups_mode_t mode = CUPS_RASTER_WRITE;
     if (memcmp(reader->sync, "2SaR", 4) == 0 || memcmp(reader->sync, "RaS2", 4) == 0)
         mode = CUPS_RASTER_WRITE_COMPRESSED;
     if (memcmp(reader->sync, "RaS2", 4) == 0 && strcmp(first->MediaClass, "PwgRaster") == 0)

@@ -36,7 +36,9 @@ typedef struct raster_reader {
     cups_raster_iocb_t read;
     void              *context;
     unsigned char      sync[4];
-    size_t             seen; /* bytes of sync */
+    size_t             seen;  /* bytes of sync */
+    bool               ended; /* the stream had no more bytes */
+    size_t             since; /* bytes read since the last header was asked for */
 } raster_reader;
 
 typedef struct raster_writer {
@@ -50,6 +52,8 @@ typedef struct raster_writer {
 
 /* NULL if the stream can be read, else why not. */
 const char *raster_reader_open(raster_reader *reader, cups_raster_iocb_t read, void *context);
+/* True for a page header, false at the end of the stream; *damaged if neither. */
+bool raster_read_header(raster_reader *reader, cups_page_header2_t *header, bool *damaged);
 /* The kind of stream `reader` is, now that its first page header is known. */
 bool raster_writer_open(raster_writer *writer, const raster_reader *reader,
                         const cups_page_header2_t *first, cups_raster_iocb_t write, void *context);

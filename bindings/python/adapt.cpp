@@ -184,7 +184,8 @@ void bind_adapt(nb::module_ &m)
           nb::sig("def geometric_mean(r: object, weights: object, method: MeanMethod) -> float"));
     nb::class_<Mean>(m, "Mean")
         .def(nb::init<>())
-        .def("add", &Mean::add, nb::sig("def add(self, r: object, weights: object) -> None"))
+        .def("add", &Mean::add, "r"_a, "weights"_a.none(),
+             nb::sig("def add(self, r: object, weights: object) -> None"))
         .def("merge", &Mean::merge, "other"_a)
         .def("get", &Mean::get, "method"_a)
         .def("error", &Mean::error, "method"_a)

@@ -145,20 +145,39 @@ void Array::acquire(nb::handle source, Kind kind, bool writable)
     std::copy(buffer_.view.strides, buffer_.view.strides + buffer_.view.ndim, stride);
 }
 
-Array::Array(nb::handle source, const char *array_name, Kind kind) : name(array_name)
+bool Array::take_numbers(nb::handle source, Kind kind)
 {
     PyObject *p = source.ptr();
     if (PyFloat_CheckExact(p) || (kind == Kind::real && PyLong_CheckExact(p))) {
-        number_ = PyFloat_AsDouble(p);
-        if (number_ == -1.0 && PyErr_Occurred())
+        inside_[0] = PyFloat_AsDouble(p);
+        if (inside_[0] == -1.0 && PyErr_Occurred())
             throw nb::python_error();
-        data = reinterpret_cast<char *>(&number_);
-        return;
+    } else if ((PyTuple_CheckExact(p) || PyList_CheckExact(p)) && PySequence_Size(p) == 3) {
+        for (Py_ssize_t i = 0; i < 3; i++) {
+            const nb::object item = nb::steal(PySequence_GetItem(p, i));
+            if (!item.is_valid() || !PyFloat_CheckExact(item.ptr()))
+                return false;
+            inside_[i] = PyFloat_AsDouble(item.ptr());
+        }
+        shape.n = 1;
+        shape.dim[0] = 3;
+        stride[0] = sizeof(double);
+    } else {
+        return false;
     }
+    data = reinterpret_cast<char *>(inside_);
+    return true;
+}
+
+Array::Array(nb::handle source, const char *array_name, Kind kind) : name(array_name)
+{
+    PyObject *p = source.ptr();
     if (PyObject_CheckBuffer(p)) {
         acquire(source, kind, false);
         return;
     }
+    if (take_numbers(source, kind))
+        return;
     const bool sequence = PyList_Check(p) || PyTuple_Check(p);
     const nb::object array = kind == Kind::real && sequence ? numpy("asarray")(source, "float64")
                                                             : numpy("asarray")(source);
@@ -180,11 +199,12 @@ Array Array::output(nb::handle target, const char *name, Kind kind, const Shape 
 
 Array::Array(Array &&other) noexcept
     : name(other.name), object(std::move(other.object)), type(other.type), data(other.data),
-      shape(other.shape), buffer_(std::move(other.buffer_)), number_(other.number_)
+      shape(other.shape), buffer_(std::move(other.buffer_))
 {
+    std::copy(other.inside_, other.inside_ + 3, inside_);
     std::copy(other.stride, other.stride + max_dims, stride);
     if (!buffer_.held)
-        data = reinterpret_cast<char *>(&number_);
+        data = reinterpret_cast<char *>(inside_);
 }
 
 Py_ssize_t Array::take_channels()
@@ -201,11 +221,15 @@ Py_ssize_t Array::take_channels()
 
 Array new_array(const Shape &shape, lcor_sample type)
 {
-    static const char *const names[] = {"float32", "float64", "uint8", "uint16"};
+    /* looked up once and kept: making an array is most of the cost of a small call */
+    static const nb::handle empty = numpy("empty").release();
+    static const nb::handle types[] = {
+        numpy("dtype")("float32").release(), numpy("dtype")("float64").release(),
+        numpy("dtype")("uint8").release(), numpy("dtype")("uint16").release()};
     const nb::object lengths = nb::steal(PyTuple_New(shape.n));
     for (int d = 0; d < shape.n; d++)
         PyTuple_SetItem(lengths.ptr(), d, PyLong_FromSsize_t(shape.dim[d]));
-    const nb::object array = numpy("empty")(lengths, names[type]);
+    const nb::object array = empty(lengths, types[type]);
     return Array::output(array, "out", Kind::colour, shape);
 }
 

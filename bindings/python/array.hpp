@@ -52,8 +52,8 @@ struct Buffer {
 /* One array of the caller, held as long as this lives. Made and destroyed with the GIL. */
 class Array {
 public:
-    /* An input: a buffer is taken as it is, anything else goes through numpy.asarray. Python
-     * numbers need no numpy. Raises TypeError for other sample types, naming the fix. */
+    /* An input: a buffer is taken as it is, anything else goes through numpy.asarray. A
+     * Python number, or a tuple or list of three floats, is copied without numpy's help. Raises TypeError for other sample types, naming the fix. */
     Array(nb::handle source, const char *name, Kind kind);
     /* An output: writable, and of exactly this shape. */
     static Array output(nb::handle target, const char *name, Kind kind, const Shape &wanted);
@@ -75,9 +75,10 @@ public:
 private:
     Array(const char *array_name, int) : name(array_name) {}
     void acquire(nb::handle source, Kind kind, bool writable);
+    bool take_numbers(nb::handle source, Kind kind);
 
     Buffer buffer_;
-    double number_ = 0; /* a Python number lies here */
+    double inside_[3] = {}; /* a Python number, or three of them, lie here */
 };
 
 /* A fresh numpy array and the buffer to fill it through. */

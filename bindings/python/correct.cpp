@@ -74,6 +74,9 @@ public:
          lcor_reading reading, lcor_gamut gamut, const Colour &colour, nb::handle tone_curve)
         : colour_(colour)
     {
+        /* the C options read 0 as the default */
+        if (rho == 0 || rho_ratio == 0 || exponent == 0)
+            throw nb::value_error("rho, rho_ratio and exponent must be above 0");
         options_.struct_size = sizeof options_;
         options_.contrast = contrast;
         options_.r_mean = r_mean;
@@ -233,16 +236,20 @@ void bind_correct(nb::module_ &m)
     nb::class_<Plan>(m, "Plan")
         .def(nb::init<double, double, double, double, double, lcor_reading, lcor_gamut,
                       const Colour &, nb::handle>(),
+             "contrast"_a, "r_mean"_a, "rho"_a, "rho_ratio"_a, "exponent"_a, "reading"_a, "gamut"_a,
+             "colour"_a, "tone_curve"_a.none(),
              nb::sig("def __init__(self, contrast: float, r_mean: float, rho: float, "
                      "rho_ratio: float, exponent: float, reading: Reading, gamut: Gamut, "
                      "colour: Colour, tone_curve: object) -> None"))
-        .def("apply", &Plan::apply,
+        .def("apply", &Plan::apply, "rgb"_a, "illuminance"_a, "rho"_a.none(), "out"_a.none(),
              nb::sig("def apply(self, rgb: object, illuminance: object, rho: object, "
                      "out: object) -> tuple[typing.Any, tuple[int, ...]]"))
-        .def("conventional", &Plan::conventional,
+        .def("conventional", &Plan::conventional, "rgb"_a, "illuminance"_a, "rho"_a.none(),
+             "out"_a.none(),
              nb::sig("def conventional(self, rgb: object, illuminance: object, rho: object, "
                      "out: object) -> tuple[typing.Any, tuple[int, ...]]"))
-        .def("add_to", &Plan::add_to,
+        .def("add_to", &Plan::add_to, "mean"_a, "rgb"_a, "illuminance"_a, "rho"_a.none(),
+             "weights"_a.none(),
              nb::sig("def add_to(self, mean: Mean, rgb: object, illuminance: object, rho: object, "
                      "weights: object) -> None"));
 }

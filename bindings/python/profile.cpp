@@ -27,11 +27,11 @@ struct Profile {
     ~Profile() { lcor_profile_free(profile); }
 };
 
-std::unique_ptr<Profile> parse(const nb::bytes &text)
+std::unique_ptr<Profile> parse(const nb::bytes &text, lcor_profile_black black)
 {
     lcor_profile *profile = nullptr;
     lcor_error error = {};
-    check(lcor_profile_parse(text.c_str(), text.size(), nullptr, &profile, &error), error);
+    check(lcor_profile_import(text.c_str(), text.size(), black, nullptr, &profile, &error), error);
     return std::make_unique<Profile>(profile);
 }
 
@@ -161,12 +161,6 @@ void set_resolution(Profile &self, double step)
     check(lcor_profile_resolution_set(self.profile, step, &error), error);
 }
 
-void set_black(Profile &self, lcor_profile_black black)
-{
-    lcor_error error = {};
-    check(lcor_profile_black_set(self.profile, black, &error), error);
-}
-
 } // namespace
 
 void bind_profile(nb::module_ &m)
@@ -181,11 +175,12 @@ void bind_profile(nb::module_ &m)
         .def("evaluate", &evaluate, nb::sig("def evaluate(self) -> dict[str, typing.Any]"))
         .def("tone_curve", &tone_curve, nb::sig("def tone_curve(self, n: int) -> typing.Any"))
         .def("reading", &reading, nb::sig("def reading(self, index: int) -> dict[str, typing.Any]"))
-        .def("add", &add,
+        .def("add", &add, "rgb"_a.none(), "cmyk"_a.none(), "density"_a.none(), "visual"_a.none(),
+             "xyz"_a.none(), "id"_a.none(), "name"_a,
              nb::sig("def add(self, rgb: object, cmyk: object, density: object, "
                      "visual: float | None, xyz: object, id: str | None, name: str) -> None"))
         .def("reject", &reject)
-        .def("set_keyword", &set_keyword)
+        .def("set_keyword", &set_keyword, "name"_a, "value"_a.none())
         .def("keywords", &keywords, nb::sig("def keywords(self) -> dict[str, str]"))
         .def_prop_ro("contrast",
                      [](const Profile &self) { return lcor_profile_contrast(self.profile); })
@@ -197,6 +192,6 @@ void bind_profile(nb::module_ &m)
         .def_prop_rw("resolution",
                      [](const Profile &self) { return lcor_profile_resolution(self.profile); },
                      &set_resolution)
-        .def_prop_rw("black", [](const Profile &self) { return lcor_profile_black_get(self.profile); },
-                     &set_black);
+        .def_prop_ro("black",
+                     [](const Profile &self) { return lcor_profile_black_get(self.profile); });
 }

@@ -143,7 +143,8 @@ void bind_radiosity(nb::module_ &m)
              nb::sig("def patches(self, surface: int, value: Value, direct: bool) -> typing.Any"))
         .def("at", &at,
              nb::sig("def at(self, points: object, normals: object, direct: bool) -> typing.Any"));
-    m.def("solve", &solve,
+    m.def("solve", &solve, "scene"_a, "tolerance"_a, "norm"_a, "engine"_a, "channels"_a,
+          "max_seconds"_a, "max_bytes"_a, "threads"_a, "progress"_a.none(),
           nb::sig("def solve(scene: Scene, tolerance: float, norm: Norm, engine: Engine, "
                   "channels: int, max_seconds: float, max_bytes: int, threads: int, "
                   "progress: object) -> Solution"));

@@ -59,10 +59,11 @@ struct instrument_driver {
     const char          *name; /* for --instrument */
     const char          *title;
     const line_settings *line;           /* NULL: not on a serial line, or the preset says */
-    bool                 displays;       /* reads luminance, not density */
+    bool                 on_hid;         /* else on a serial line */
     bool                 user_triggered; /* the user presses, the instrument reports */
     bool                 experimental;
-    const char          *how; /* what the user does for one reading */
+    const char          *how;         /* what the user does for one reading */
+    const char          *recalibrate; /* what the user does to calibrate it; NULL: nothing */
     bool                 silent;         /* cannot say who it is: `auto` never finds it */
     /* Say hello, fill in the facts, set the reporting format. CAL_TIMEOUT and CAL_PROTOCOL mean
      * that it is another instrument. */
@@ -98,6 +99,17 @@ struct instrument {
     unsigned                 noise;   /* lines that were nothing we know */
     int                      idle_ms; /* longest pause inside a line */
 };
+
+/* A USB device by its numbers. */
+typedef struct usb_model {
+    unsigned    vendor, product;
+    const char *title;
+    const char *driver; /* NULL: not one that lccal can use, and */
+    const char *advice; /* what to do instead */
+} usb_model;
+
+/* NULL: lccal does not know it. */
+const usb_model *usb_model_find(unsigned vendor, unsigned product);
 
 extern const instrument_driver *const instrument_drivers[];
 extern const size_t                   instrument_driver_count;

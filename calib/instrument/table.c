@@ -1,12 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 #include "instrument/dektronics-printalyzer/printalyzer.h"
+#include "instrument/generic-line/line.h"
+#include "instrument/hughski-colorhug2/colorhug2.h"
+#include "instrument/xrite-rci/rci.h"
 
 #include <string.h>
 
-enum { IDLE_MS = 500, SLOW_IDLE_MS = 2000, SLOW_BAUD = 600 };
+enum { IDLE_MS = 500 };
 
 const instrument_driver *const instrument_drivers[] = {
     &printalyzer_driver,
+    &rci_driver,
+    &line_driver,
+    &colorhug2_driver,
 };
 const size_t instrument_driver_count = sizeof instrument_drivers / sizeof instrument_drivers[0];
 
@@ -29,7 +35,6 @@ static cal_status set_up(const instrument_driver *driver, const char *preset, in
     in->preset = preset;
     in->idle_ms = IDLE_MS;
     if (driver->line) {
-        in->idle_ms = driver->line->baud <= SLOW_BAUD ? SLOW_IDLE_MS : IDLE_MS;
         if (!port->ops->configure)
             return cal_fail(err, CAL_UNSUPPORTED, "%s is on a serial port, and '%s' is none",
                             driver->title, port->name);
@@ -42,10 +47,13 @@ static cal_status set_up(const instrument_driver *driver, const char *preset, in
     return status;
 }
 
-/* Ask the port for each instrument that can say who it is. */
+/* Ask the port for each instrument of its kind that can say who it is. */
 static cal_status set_up_any(int timeout_ms, instrument *in, cal_error *err)
 {
     for (size_t i = 0; i < instrument_driver_count; i++) {
+        const bool hid = in->port->ops->messages;
+        if (instrument_drivers[i]->silent || instrument_drivers[i]->on_hid != hid)
+            continue;
         const cal_status status = set_up(instrument_drivers[i], "", timeout_ms, in, err);
         if (status != CAL_TIMEOUT && status != CAL_PROTOCOL)
             return status;
@@ -65,5 +73,10 @@ cal_status instrument_open(const char *name, transport *port, int timeout_ms, in
         return set_up_any(timeout_ms, in, err);
     const size_t             length = strcspn(name, ":");
     const instrument_driver *driver = find(name, length);
+    if (!driver)
+        return cal_fail(err, CAL_UNSUPPORTED,
+                        "no instrument '%s'; known: auto printalyzer line:PRESET xrite-rci "
+                        "colorhug2 densistick",
+                        name);
     return set_up(driver, name[length] ? name + length + 1 : "", timeout_ms, in, err);
 }

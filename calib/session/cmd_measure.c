@@ -1,33 +1,67 @@
 /* SPDX-License-Identifier: MIT */
 #include "lccal.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const char help[] =
     "lccal --port PORT [options]      measure white and black, store the profile\n"
     "lccal list|doctor|device|enter|show|verify|history|export|target --help\n"
     "\n"
     "  --port PORT         /dev/ttyUSB0, hid:VID:PID[:SERIAL], /dev/hidrawN, script:FILE\n"
+    "                      [the known instrument that is plugged in]\n"
     "  --instrument NAME   printalyzer, line:PRESET, xrite-rci, colorhug2, densistick or auto\n"
     "  -o, --output FILE   the profile [profile.cgats]\n"
     "  --readings N        readings of each patch [5]\n"
+    "  --precision P       go on until c is known to P percent (95 %), at most 4 more rounds\n"
+    "  --positions 9       one reading at each of nine places of a patch: how even it is\n"
+    "  --ramp K            also K grey steps, light to dark: the device's tone curve\n"
     "  --timeout S         longest wait for one reading, seconds [120]\n"
     "  --yes               wait for no key, take the readings as they come\n"
     "  --material TEXT, --backing TEXT, --conditions TEXT\n"
     "                      paper, backing and print settings, kept in the profile\n"
+    "  --resume            go on with the measurement that was interrupted\n"
+    "  --record FILE       write the dialogue with the instrument down; script:FILE replays it\n"
     "  --json              events on stdout, one JSON object a line\n"
     "  --quiet             only errors and warnings\n"
     "  --help, --version\n";
 
-/* Tell the result; format the profile and store it. */
+/* What was found, to people and programs. */
+static void tell(const lcor_profile *profile, const lcor_profile_result *r, const char *path)
+{
+    char                 bright[32], dark[32], c[32], u[32] = "";
+    lcor_profile_reading first;
+    const bool           display = lcor_profile_reading_get(profile, 0, &first, NULL) == LCOR_OK &&
+                         (first.has & LCOR_HAS_XYZ) && !(first.has & LCOR_HAS_VISUAL);
+    const double         white = display ? 100.0 * pow(10.0, -r->d_min) : r->d_min;
+    const double         black = display ? 100.0 * pow(10.0, -r->d_max) : r->d_max;
+    lccal_format_number(bright, sizeof bright, white, 3);
+    lccal_format_number(dark, sizeof dark, black, 3);
+    lccal_format_number(c, sizeof c, r->contrast, 2);
+    if (r->contrast_u95 > 0.0)
+        lccal_format_number(u, sizeof u, r->contrast_u95, r->contrast_u95 < 0.1 ? 4 : 2);
+    lccal_say(display ? "J_max %s, J_min %s cd/m2, contrast %s%s%s%s; profile in '%s'"
+                      : "D_min %s, D_max %s, contrast %s%s%s%s; profile in '%s'",
+              bright, dark, c, *u ? " +- " : "", u, *u ? " (95 %)" : "", path);
+    lccal_event_begin("result");
+    lccal_event_number(display ? "j_max" : "d_min", white, 4);
+    lccal_event_number(display ? "j_min" : "d_max", black, 4);
+    lccal_event_number("contrast", r->contrast, 4);
+    lccal_event_number("contrast_u95", r->contrast_u95, 4);
+    lccal_event_text("profile", path);
+    lccal_event_end();
+}
+
+/* Format the profile and store it. */
 static int store(const lcor_profile *profile, const char *path)
 {
     lcor_profile_result r;
     lcor_error          err;
     size_t              size = 0;
-    if (lcor_profile_evaluate(profile, &r, &err) != LCOR_OK)
-        return lccal_fail(LCCAL_REJECTED, "%s", err.text);
-    if (lcor_profile_format(profile, NULL, 0, &size, &err) != LCOR_OK)
+    if (lcor_profile_evaluate(profile, &r, &err) != LCOR_OK ||
+        lcor_profile_format(profile, NULL, 0, &size, &err) != LCOR_OK)
         return lccal_fail(LCCAL_REJECTED, "%s", err.text);
     char *text = malloc(size + 1);
     if (!text || lcor_profile_format(profile, text, size + 1, &size, &err) != LCOR_OK) {
@@ -36,47 +70,67 @@ static int store(const lcor_profile *profile, const char *path)
     }
     const int result = lccal_save_file(path, text, size, true);
     free(text);
-    if (result != LCCAL_OK)
-        return result;
-    char d_min[32], d_max[32], c[32], u[32];
-    lccal_say("D_min %s, D_max %s, contrast %s +- %s (95 %%); profile in %s",
-              lccal_format_number(d_min, sizeof d_min, r.d_min, 3),
-              lccal_format_number(d_max, sizeof d_max, r.d_max, 3),
-              lccal_format_number(c, sizeof c, r.contrast, 2),
-              lccal_format_number(u, sizeof u, r.contrast_u95, 2), path);
-    lccal_event_begin("result");
-    lccal_event_number("d_min", r.d_min, 4);
-    lccal_event_number("d_max", r.d_max, 4);
-    lccal_event_number("contrast", r.contrast, 4);
-    lccal_event_number("contrast_u95", r.contrast_u95, 4);
-    lccal_event_text("profile", path);
-    lccal_event_end();
+    if (result == LCCAL_OK)
+        tell(profile, &r, path);
+    return result;
+}
+
+static int check_options(const lccal_measure_options *o)
+{
+    if (o->readings > 1000)
+        return lccal_fail(LCCAL_USAGE, "--readings wants 1 to 1000");
+    if (o->positions != 1 && o->positions != 9)
+        return lccal_fail(LCCAL_USAGE, "--positions wants 9, or 1 for none");
+    if (o->ramp > 64)
+        return lccal_fail(LCCAL_USAGE, "--ramp wants 1 to 64 steps");
+    if (!(o->timeout > 0.0) || o->timeout > 86400.0)
+        return lccal_fail(LCCAL_USAGE, "--timeout wants seconds, more than 0 and at most a day");
+    if (o->precision < 0.0 || (o->precision > 0.0 && o->yes))
+        return lccal_fail(LCCAL_USAGE, "--precision wants a percentage above 0, and not --yes: it "
+                                       "asks for the patch it needs");
     return LCCAL_OK;
 }
 
-static int describe_print(lcor_profile *profile, const char *name, const char *value)
+/* Everything between the open port and the stored profile. */
+static int measure_and_store(const lccal_measure_options *o, const char *output,
+                             const char *const print[3])
 {
-    lcor_error err;
-    if (value && lcor_profile_keyword_set(profile, name, value, &err) != LCOR_OK)
-        return lccal_fail(LCCAL_USAGE, "%s: %s", name, err.text);
-    return LCCAL_OK;
+    static const char *const names[3] = {"MATERIAL", "SAMPLE_BACKING", "PRINT_CONDITIONS"};
+    lcor_profile            *profile = NULL;
+    int                      result = lccal_measure(o, &profile);
+    for (int i = 0; result == LCCAL_OK && i < 3; i++) {
+        lcor_error err;
+        if (print[i] && lcor_profile_keyword_set(profile, names[i], print[i], &err) != LCOR_OK)
+            result = lccal_fail(LCCAL_USAGE, "%s: %s", names[i], err.text);
+    }
+    if (result == LCCAL_OK)
+        result = store(profile, output);
+    lcor_profile_free(profile);
+    if (result == LCCAL_OK)
+        (void)remove(o->journal); /* the readings are in the profile now */
+    return result;
 }
 
 int cmd_measure(int argc, char **argv)
 {
-    lccal_measure_options o = {.readings = 5, .timeout = 120.0};
+    lccal_measure_options o = {.readings = 5, .positions = 1, .timeout = 120.0};
     const char           *output = "profile.cgats";
-    const char           *material = NULL, *backing = NULL, *conditions = NULL;
+    const char           *print[3] = {NULL, NULL, NULL};
     const lccal_option    options[] = {
         {"--port", NULL, LCCAL_TEXT, &o.port},
         {"--instrument", NULL, LCCAL_TEXT, &o.instrument},
         {"--output", "-o", LCCAL_TEXT, &output},
         {"--readings", NULL, LCCAL_COUNT, &o.readings},
+        {"--precision", NULL, LCCAL_NUMBER, &o.precision},
+        {"--positions", NULL, LCCAL_COUNT, &o.positions},
+        {"--ramp", NULL, LCCAL_COUNT, &o.ramp},
         {"--timeout", NULL, LCCAL_NUMBER, &o.timeout},
         {"--yes", NULL, LCCAL_FLAG, &o.yes},
-        {"--material", NULL, LCCAL_TEXT, &material},
-        {"--backing", NULL, LCCAL_TEXT, &backing},
-        {"--conditions", NULL, LCCAL_TEXT, &conditions},
+        {"--resume", NULL, LCCAL_FLAG, &o.resume},
+        {"--record", NULL, LCCAL_TEXT, &o.record},
+        {"--material", NULL, LCCAL_TEXT, &print[0]},
+        {"--backing", NULL, LCCAL_TEXT, &print[1]},
+        {"--conditions", NULL, LCCAL_TEXT, &print[2]},
     };
     int result =
         lccal_parse_options(&argc, argv, options, sizeof options / sizeof options[0], help);
@@ -84,23 +138,23 @@ int cmd_measure(int argc, char **argv)
         return result < 0 ? LCCAL_OK : result;
     if (argc > 1)
         return lccal_fail(LCCAL_USAGE, "'%s' is no subcommand; --help lists them", argv[1]);
-    if (o.readings > 1000)
-        return lccal_fail(LCCAL_USAGE, "--readings wants 1 to 1000");
-    if (!(o.timeout > 0.0) || o.timeout > 86400.0)
-        return lccal_fail(LCCAL_USAGE, "--timeout wants seconds, more than 0 and at most a day");
-    if (!o.port)
-        return lccal_fail(LCCAL_USAGE, "--port says where the instrument is; `lccal list` shows "
-                                       "what is plugged in");
-    lcor_profile *profile = NULL;
-    result = lccal_measure(&o, &profile);
-    if (result == LCCAL_OK)
-        result = describe_print(profile, "MATERIAL", material);
-    if (result == LCCAL_OK)
-        result = describe_print(profile, "SAMPLE_BACKING", backing);
-    if (result == LCCAL_OK)
-        result = describe_print(profile, "PRINT_CONDITIONS", conditions);
-    if (result == LCCAL_OK)
-        result = store(profile, output);
-    lcor_profile_free(profile);
+    result = check_options(&o);
+    if (result != LCCAL_OK)
+        return result;
+    char found[128];
+    if (!o.port) {
+        result = lccal_find_port(found, sizeof found, &o.instrument);
+        if (result != LCCAL_OK)
+            return result;
+        o.port = found;
+    }
+    const size_t n = strlen(output) + sizeof ".journal";
+    char        *path = malloc(n);
+    if (!path)
+        return lccal_fail(LCCAL_FAILED, "out of memory");
+    snprintf(path, n, "%s.journal", output);
+    o.journal = path;
+    result = measure_and_store(&o, output, print);
+    free(path);
     return result;
 }

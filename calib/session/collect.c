@@ -1,14 +1,49 @@
 /* SPDX-License-Identifier: MIT */
+/* Readings into the profile, one patch at a time. */
 #include "session/judge.h"
+#include "session/prompt.h"
 #include "session/session.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-double session_density(const lcor_profile_reading *r)
+int session_reject(const session *s, const char *format, ...)
+{
+    char    text[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    if (s->options->yes)
+        return lccal_fail(LCCAL_REJECTED, "%s", text);
+    lccal_warn("%s", text);
+    return LCCAL_REJECTED;
+}
+
+/* Displays are judged by their luminance as a density, where only differences mean something. */
+static double density_of(const lcor_profile_reading *r)
 {
     return r->has & LCOR_HAS_VISUAL ? r->density[3] : -log10(r->xyz[1] / 100.0);
+}
+
+double session_patch_density(const session *s, const patch *p)
+{
+    double values[JUDGE_MAX];
+    size_t n = 0;
+    for (size_t i = p->first; i < p->first + p->count; i++) {
+        lcor_profile_reading r;
+        if (lcor_profile_reading_get(s->profile, i, &r, NULL) == LCOR_OK && !r.rejected)
+            values[n++] = density_of(&r);
+    }
+    return judge_median(values, n);
+}
+
+void session_strike(session *s, const patch *p)
+{
+    for (size_t i = p->first; i < p->first + p->count; i++)
+        (void)lcor_profile_reading_reject(s->profile, i, 1, NULL);
 }
 
 static void to_profile(const reading *in, const patch *p, lcor_profile_reading *out)
@@ -28,106 +63,191 @@ static void to_profile(const reading *in, const patch *p, lcor_profile_reading *
     out->density[3] = in->value;
 }
 
-/* The next reading from the instrument, into the profile. LCCAL_REJECTED: it cannot belong to any
- * patch; it is kept only when the profile can hold it. */
-static int take(session *s, const patch *p, double *density)
+/* The next reading, from the journal while there is one, else from the instrument. */
+static int fetch(session *s, reading *out)
 {
-    reading          got;
-    cal_error        err;
-    const int        wait_ms = (int)(s->options->timeout * 1000.0);
-    const cal_status status = s->in.driver->measure(&s->in, wait_ms, &got, &err);
-    if (status != CAL_OK)
-        return session_fail(&err);
-    if (lcor_profile_count(s->profile) == 0)
-        s->kind = got.kind;
-    if (got.kind != s->kind)
-        return lccal_fail(LCCAL_REJECTED, "%s: reflection and transmission readings in one "
-                                          "measurement; choose one mode and start again",
-                          p->name);
-    if (got.kind == READING_LUMINANCE && !(got.value > 0.0))
-        return lccal_fail(LCCAL_REJECTED, "%s: the instrument sees no light at all; the patch is "
-                                          "too dark for it, or it is covered",
-                          p->name);
-    lcor_profile_reading r;
-    to_profile(&got, p, &r);
-    *density = session_density(&r);
-    if (!judge_plausible(got.kind == READING_LUMINANCE ? 0.0 : *density)) {
-        char text[32];
-        lccal_format_number(text, sizeof text, *density, 2);
-        return lccal_fail(LCCAL_REJECTED, "%s: density %s is no density of paper or film; check "
-                                          "the instrument's zero and its --instrument setting",
-                          p->name, text);
+    const int wait_ms = (int)(s->options->timeout * 1000.0);
+    while (journal_peek(&s->log, 0))
+        if (journal_next(&s->log, out) == 'R')
+            return LCCAL_OK;
+    for (;;) {
+        cal_error        err;
+        const cal_status status = s->in.driver->measure(&s->in, wait_ms, out, &err);
+        if (status == CAL_OK) {
+            journal_reading(&s->log, out);
+            return LCCAL_OK;
+        }
+        if (s->options->yes || (status != CAL_MISREAD && status != CAL_CALIBRATE))
+            return session_fail(&err);
+        lccal_warn("%s", err.text);
+        switch (prompt_wait("again", "When that is done: [Enter: read again, q: quit]")) {
+        case ANSWER_GO:
+        case ANSWER_REDO: break;
+        case ANSWER_QUIT:
+        case ANSWER_CLOSED: return lccal_fail(LCCAL_INTERRUPTED, "interrupted");
+        }
     }
-    lcor_error why;
-    if (lcor_profile_reading_add(s->profile, &r, &why) != LCOR_OK)
-        return lccal_fail(LCCAL_REJECTED, "%s: %s", p->name, why.text);
-    if (got.clamped)
-        lccal_warn("%s: the reading is at the end of the instrument's range", p->name);
-    s->step = fmax(s->step, got.step);
+}
+
+/* Can this be a reading of any patch at all? */
+static int check(session *s, const patch *p, const reading *got, const lcor_profile_reading *r)
+{
+    if (got->kind == READING_LUMINANCE)
+        return got->value > 0.0
+                   ? LCCAL_OK
+                   : session_reject(s, "%s: the instrument sees no light at all; the patch is too "
+                                       "dark for it, or it is covered",
+                                    p->name);
+    if (got->kind != s->kind)
+        return session_reject(s, "%s: a %s reading among %s ones; choose one mode at the instrument",
+                              p->name,
+                              got->kind == READING_REFLECTION ? "reflection" : "transmission",
+                              s->kind == READING_REFLECTION ? "reflection" : "transmission");
+    if ((r->has & s->has) != s->has)
+        return session_reject(s, "%s: the instrument stopped sending colour densities; choose one "
+                                 "mode at the instrument",
+                              p->name);
+    if (!judge_plausible(got->value)) {
+        char text[32];
+        lccal_format_number(text, sizeof text, got->value, 2);
+        return session_reject(s, "%s: %s is no density of paper or film; check the instrument's "
+                                 "zero and the --instrument setting",
+                              p->name, text);
+    }
     return LCCAL_OK;
 }
 
-static void announce(const session *s, const patch *p, double density)
+/* Take one reading into the profile. What cannot be a reading of any patch stays out of p's count,
+ * and out of the profile where that cannot hold it. */
+static int take(session *s, patch *p, double *density)
 {
+    reading   got;
+    const int fetched = fetch(s, &got);
+    if (fetched != LCCAL_OK)
+        return fetched;
     lcor_profile_reading r;
-    char                 text[32];
-    const bool           display = s->kind == READING_LUMINANCE;
-    if (lcor_profile_reading_get(s->profile, p->first + p->count - 1, &r, NULL) != LCOR_OK)
-        return;
-    lccal_format_number(text, sizeof text, display ? r.xyz[1] : density, 3);
-    lccal_say("  %s %zu/%d  %s%s", p->name, p->count, s->options->readings, display ? "" : "D ",
-              text);
+    to_profile(&got, p, &r);
+    if (lcor_profile_count(s->profile) == 0) {
+        s->kind = got.kind;
+        s->has = r.has;
+    }
+    const int checked = check(s, p, &got, &r);
+    r.has &= s->has;
+    r.rejected = checked != LCCAL_OK;
+    lcor_error       why;
+    const lcor_status added = lcor_profile_reading_add(s->profile, &r, &why);
+    if (checked != LCCAL_OK)
+        return checked;
+    if (added != LCOR_OK)
+        return session_reject(s, "%s: %s", p->name, why.text);
+    if (got.clamped)
+        lccal_warn("%s: this reading is at the end of the instrument's range", p->name);
+    s->step = fmax(s->step, got.step);
+    *density = density_of(&r);
+    return LCCAL_OK;
+}
+
+/* The readings of one attempt at a patch that may count. */
+typedef struct attempt {
+    double densities[JUDGE_MAX];
+    size_t where[JUDGE_MAX]; /* in the profile */
+    size_t count;
+} attempt;
+
+static void announce(const session *s, const patch *p, const attempt *a, size_t wanted)
+{
+    char         text[32];
+    const bool   display = s->kind == READING_LUMINANCE;
+    const double density = a->densities[a->count - 1];
+    const double shown = display ? 100.0 * pow(10.0, -density) : density;
+    lccal_format_number(text, sizeof text, shown, 3);
+    lccal_say("  %s %zu/%zu  %s%s%s", p->name, a->count, wanted, display ? "" : "D ", text,
+              display ? " cd/m2" : "");
     lccal_event_begin("reading");
     lccal_event_text("patch", p->name);
-    lccal_event_number("number", (double)p->count, 0);
-    lccal_event_number(display ? "luminance" : "density", display ? r.xyz[1] : density, 4);
+    lccal_event_number("number", (double)a->count, 0);
+    lccal_event_number(display ? "luminance" : "density", shown, 4);
     lccal_event_end();
 }
 
-/* Judge a patch's readings and mark those that take no part. */
-static int settle(session *s, const patch *p, const double *densities)
+/* Judge a patch's readings and mark those that take no part. Over several positions the patch
+ * itself may vary, so only readings of other patches are out of place there. */
+static int settle(session *s, const patch *p, const attempt *a)
 {
     bool          accepted[JUDGE_MAX];
-    const verdict v = judge_patch(densities, p->count, accepted);
-    for (size_t i = 0; i < p->count; i++) {
-        const int rejected = v != VERDICT_GOOD || !accepted[i];
-        (void)lcor_profile_reading_reject(s->profile, p->first + i, rejected, NULL);
-        if (v == VERDICT_GOOD && rejected) {
+    const bool    spread = s->options->positions > 1;
+    const verdict v = judge_patch(a->densities, a->count, accepted);
+    const bool    good = v == VERDICT_GOOD || (spread && v != VERDICT_MIXED);
+    for (size_t i = 0; i < a->count; i++) {
+        const bool left_out = !good || (!accepted[i] && !spread);
+        (void)lcor_profile_reading_reject(s->profile, a->where[i], left_out, NULL);
+        if (good && left_out) {
             char text[32];
-            lccal_format_number(text, sizeof text, densities[i], 3);
+            lccal_format_number(text, sizeof text, a->densities[i], 3);
             lccal_warn("%s: reading %zu (D %s) does not agree with the others and is left out",
                        p->name, i + 1, text);
         }
     }
-    switch (v) {
-    case VERDICT_GOOD: return LCCAL_OK;
-    case VERDICT_MIXED:
-        return lccal_fail(LCCAL_REJECTED, "%s: readings of different patches are mixed; read one "
-                                          "patch %d times, then the other",
-                          p->name, s->options->readings);
-    case VERDICT_DRIFTING:
-        return lccal_fail(LCCAL_REJECTED, "%s: every reading differs from the one before in the "
-                                          "same direction; let instrument and print settle",
+    if (good)
+        return LCCAL_OK;
+    if (v == VERDICT_MIXED)
+        return session_reject(s,
+                              "%s: readings of different patches are mixed; read one patch %zu "
+                              "times, then the other",
+                              p->name, a->count);
+    if (v == VERDICT_DRIFTING)
+        return session_reject(s,
+                              "%s: every reading differs from the one before in the same "
+                              "direction; let instrument and print settle",
+                              p->name);
+    return session_reject(s,
+                          "%s: the readings do not agree; place the instrument flat on an even "
+                          "patch",
                           p->name);
-    case VERDICT_TOO_FEW:
-    case VERDICT_EQUAL: break;
+}
+
+/* How even the patch is over its positions. */
+static void report_evenness(const patch *p, const attempt *a)
+{
+    char   text[32];
+    double lowest = a->densities[0], highest = a->densities[0];
+    for (size_t i = 1; i < a->count; i++) {
+        lowest = fmin(lowest, a->densities[i]);
+        highest = fmax(highest, a->densities[i]);
     }
-    return lccal_fail(LCCAL_REJECTED, "%s: the readings do not agree; place the instrument flat "
-                                      "on an even patch",
-                      p->name);
+    lccal_format_number(text, sizeof text, highest - lowest, 3);
+    lccal_say("  %s varies by D %s over %zu positions", p->name, text, a->count);
+    lccal_event_begin("evenness");
+    lccal_event_text("patch", p->name);
+    lccal_event_number("lowest", lowest, 4);
+    lccal_event_number("highest", highest, 4);
+    lccal_event_end();
 }
 
 int session_patch(session *s, patch *p)
 {
-    double densities[JUDGE_MAX];
+    static const char *const positions[POSITIONS_MAX] = {
+        "top left",     "top centre",  "top right",     "middle left",  "centre",
+        "middle right", "bottom left", "bottom centre", "bottom right",
+    };
+    attempt      a;
+    const bool   spread = s->options->positions > 1;
+    const size_t wanted = (size_t)(spread ? s->options->positions : s->options->readings);
+    a.count = 0;
     p->first = lcor_profile_count(s->profile);
-    p->count = 0;
-    while (p->count < (size_t)s->options->readings) {
-        const int result = take(s, p, &densities[p->count]);
+    while (a.count < wanted) {
+        if (spread)
+            lccal_say("  %s, position %zu: %s", p->name, a.count + 1, positions[a.count]);
+        const int result = take(s, p, &a.densities[a.count]);
+        p->count = lcor_profile_count(s->profile) - p->first;
+        if (result == LCCAL_REJECTED && !s->options->yes)
+            continue; /* it was said why; the same patch again */
         if (result != LCCAL_OK)
             return result;
-        p->count++;
-        announce(s, p, densities[p->count - 1]);
+        a.where[a.count++] = p->first + p->count - 1;
+        announce(s, p, &a, wanted);
     }
-    return settle(s, p, densities);
+    if (spread)
+        report_evenness(p, &a);
+    return settle(s, p, &a);
 }

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* The course of a measurement: which patch when, and what follows from them. */
 #define _POSIX_C_SOURCE 200809L
 #include "session/judge.h"
 #include "session/prompt.h"
@@ -9,79 +10,34 @@
 #include <string.h>
 #include <time.h>
 
-int session_fail(const cal_error *err)
+enum { WHITE, BLACK, FIRST_STEP, AGAIN = -1, REFINE_ROUNDS = 4 };
+
+/* Film base and the darkest papers stay below this, blacks worth the name above. */
+#define D_SURELY_BLACK 0.7
+
+int session_ask(session *s, const patch *p)
 {
-    int code = LCCAL_PROTOCOL;
-    switch (err->status) {
-    case CAL_OK:
-    case CAL_TIMEOUT:
-    case CAL_GONE:
-    case CAL_PROTOCOL:
-    case CAL_UNSUPPORTED:
-    case CAL_MISREAD:
-    case CAL_CALIBRATE: break;
-    case CAL_IO:
-    case CAL_NO_MEMORY: code = LCCAL_FAILED; break;
-    case CAL_NO_DEVICE: code = LCCAL_NO_INSTRUMENT; break;
-    case CAL_PERMISSION:
-    case CAL_BUSY: code = LCCAL_PERMISSION; break;
-    case CAL_INTERRUPTED: code = LCCAL_INTERRUPTED; break;
+    char       text[384];
+    const bool spread = s->options->positions > 1;
+    if (journal_peek(&s->log, 'R'))
+        return LCCAL_OK;
+    if (journal_peek(&s->log, 'U')) {
+        reading unused;
+        (void)journal_next(&s->log, &unused);
+        return AGAIN;
     }
-    return lccal_fail(code, "%s", err->text);
-}
-
-/* "Dektronics Printalyzer Densitometer, serial 0123, firmware v1.1.0" */
-static void describe(const instrument *in, char *text, size_t capacity)
-{
-    const char *model = instrument_fact_get(in, "model");
-    const char *serial = instrument_fact_get(in, "serial");
-    const char *firmware = instrument_fact_get(in, "firmware");
-    snprintf(text, capacity, "%s%s%s%s%s%s%s", instrument_fact_get(in, "maker"),
-             *instrument_fact_get(in, "maker") ? " " : "", *model ? model : in->driver->title,
-             *serial ? ", serial " : "", serial, *firmware ? ", firmware " : "", firmware);
-}
-
-int session_open(session *s, const lccal_measure_options *options)
-{
-    memset(s, 0, sizeof *s);
-    s->options = options;
-    cal_error  err;
-    transport *port;
-    cal_status status = transport_open(options->port, &port, &err);
-    if (status != CAL_OK)
-        return session_fail(&err);
-    status = instrument_open(options->instrument ? options->instrument : "auto", port,
-                             (int)(options->timeout * 1000.0), &s->in, &err);
-    if (status != CAL_OK) {
-        instrument_close(&s->in);
-        return session_fail(&err);
-    }
-    char text[256];
-    describe(&s->in, text, sizeof text);
-    lccal_say("%s on %s", text, options->port);
-    lccal_event_begin("instrument");
-    lccal_event_text("driver", s->in.driver->name);
-    lccal_event_text("port", options->port);
-    for (size_t i = 0; i < s->in.fact_count; i++)
-        lccal_event_text(s->in.facts[i].key, s->in.facts[i].value);
-    lccal_event_end();
-    return LCCAL_OK;
-}
-
-static int prompt(session *s, const patch *p)
-{
-    char text[256];
     snprintf(text, sizeof text, "%s: %s, %d times.", p->name, s->in.driver->how,
-             s->options->readings);
+             spread ? s->options->positions : s->options->readings);
     if (s->options->yes) {
         lccal_say("%s", text);
         return LCCAL_OK;
     }
-    strncat(text, " [Enter: start, q: quit]", sizeof text - strlen(text) - 1);
+    const size_t n = strlen(text);
+    snprintf(text + n, sizeof text - n, " [Enter: start, r: the patch before again, q: quit]");
     switch (prompt_wait(p->name, text)) {
-    case ANSWER_GO:
-    case ANSWER_REDO: break;
-    case ANSWER_QUIT: return lccal_fail(LCCAL_INTERRUPTED, "interrupted; nothing was saved");
+    case ANSWER_GO: break;
+    case ANSWER_REDO: journal_undo(&s->log); return AGAIN;
+    case ANSWER_QUIT: return lccal_fail(LCCAL_INTERRUPTED, "interrupted; no profile was written");
     case ANSWER_CLOSED:
         return lccal_fail(LCCAL_USAGE, "nobody answers the prompt; without a keyboard use --yes");
     }
@@ -95,62 +51,156 @@ static int prompt(session *s, const patch *p)
     return LCCAL_OK;
 }
 
-static double patch_density(const session *s, const patch *p)
+/* Exchange white and black among the readings taken so far. */
+static int swap_names(session *s)
 {
-    double values[JUDGE_MAX];
-    size_t n = 0;
-    for (size_t i = p->first; i < p->first + p->count; i++) {
-        lcor_profile_reading r;
-        if (lcor_profile_reading_get(s->profile, i, &r, NULL) == LCOR_OK && !r.rejected)
-            values[n++] = session_density(&r);
-    }
-    return judge_median(values, n);
-}
-
-/* White was asked for first; people read black first now and then. */
-static int sort_out(session *s, patch *white, patch *black)
-{
-    const double first = patch_density(s, white), second = patch_density(s, black);
-    if (judge_pair(first, second) == VERDICT_EQUAL)
-        return lccal_fail(LCCAL_REJECTED, "white and black read the same; measure the bare paper "
-                                          "and the darkest patch of the print");
-    if (first < second)
-        return LCCAL_OK;
-    lccal_say("The first patch was the black one; taken as such.");
-    lcor_profile *sorted;
+    lcor_profile *swapped;
     lcor_error    err;
-    if (lcor_profile_new(NULL, &sorted, &err) != LCOR_OK)
+    if (lcor_profile_new(NULL, &swapped, &err) != LCOR_OK)
         return lccal_fail(LCCAL_FAILED, "%s", err.text);
     for (size_t i = 0; i < lcor_profile_count(s->profile); i++) {
         lcor_profile_reading r;
-        lcor_profile_reading_get(s->profile, i, &r, NULL);
-        const patch *p = i < black->first ? black : white;
-        r.name = p->name;
+        (void)lcor_profile_reading_get(s->profile, i, &r, NULL);
+        const bool was_white = strcmp(r.name, "white") == 0;
+        r.name = was_white ? "black" : "white";
         r.id = NULL;
-        r.rgb[0] = r.rgb[1] = r.rgb[2] = p->level;
-        if (lcor_profile_reading_add(sorted, &r, &err) != LCOR_OK) {
-            lcor_profile_free(sorted);
+        r.rgb[0] = r.rgb[1] = r.rgb[2] = was_white ? 0.0 : 255.0;
+        if (lcor_profile_reading_add(swapped, &r, &err) != LCOR_OK) {
+            lcor_profile_free(swapped);
             return lccal_fail(LCCAL_FAILED, "%s", err.text);
         }
     }
     lcor_profile_free(s->profile);
-    s->profile = sorted;
+    s->profile = swapped;
+    const patch first = s->patches[WHITE];
+    s->patches[WHITE].first = s->patches[BLACK].first;
+    s->patches[WHITE].count = s->patches[BLACK].count;
+    s->patches[BLACK].first = first.first;
+    s->patches[BLACK].count = first.count;
     return LCCAL_OK;
+}
+
+int session_sort(session *s)
+{
+    const double white = session_patch_density(s, &s->patches[WHITE]);
+    const double black = session_patch_density(s, &s->patches[BLACK]);
+    if (judge_pair(white, black) == VERDICT_EQUAL)
+        return session_reject(s, "white and black read the same; measure the bare paper and the "
+                                 "darkest patch of the print");
+    if (white < black)
+        return LCCAL_OK;
+    lccal_say("The first patch was the black one; both are taken for what they are.");
+    return swap_names(s);
+}
+
+int session_check_step(session *s, size_t i)
+{
+    const size_t lighter = i > FIRST_STEP ? i - 1 : WHITE;
+    const double before = session_patch_density(s, &s->patches[lighter]);
+    const double here = session_patch_density(s, &s->patches[i]);
+    const double black = session_patch_density(s, &s->patches[BLACK]);
+    if (here > before && here < black)
+        return LCCAL_OK;
+    return session_reject(s, "%s does not lie between '%s' and black; read the steps from light to "
+                             "dark",
+                          s->patches[i].name, s->patches[lighter].name);
+}
+
+int session_refine(session *s)
+{
+    patch extra[2] = {s->patches[WHITE], s->patches[BLACK]};
+    for (int round = 0; s->options->precision > 0.0; round++) {
+        lcor_profile_result r;
+        lcor_error          err;
+        if (lcor_profile_evaluate(s->profile, &r, &err) != LCOR_OK)
+            return lccal_fail(LCCAL_REJECTED, "%s", err.text);
+        char         text[32];
+        const double percent = 100.0 * r.contrast_u95 / r.contrast;
+        lccal_format_number(text, sizeof text, percent, 2);
+        if (percent <= s->options->precision)
+            return LCCAL_OK;
+        if (round == REFINE_ROUNDS) {
+            lccal_warn("the contrast is known to %s %% only; the profile is stored all the same",
+                       text);
+            return LCCAL_OK;
+        }
+        lccal_say("The contrast is known to %s %% so far; more readings.", text);
+        patch    *p = &extra[r.u_max > r.u_min ? BLACK : WHITE];
+        const int result = session_ask(s, p);
+        if (result != LCCAL_OK && result != AGAIN)
+            return result;
+        const int taken = session_patch(s, p);
+        if (taken == LCCAL_REJECTED && !s->options->yes)
+            continue;
+        if (taken != LCCAL_OK)
+            return taken;
+    }
+    return LCCAL_OK;
+}
+
+/* What to do with patch i once it is measured. */
+static int follow_up(session *s, size_t i)
+{
+    if (i == BLACK)
+        return session_sort(s);
+    return i >= FIRST_STEP ? session_check_step(s, i) : LCCAL_OK;
+}
+
+static int run(session *s)
+{
+    for (size_t i = 0; i < s->patch_count;) {
+        patch    *p = &s->patches[i];
+        const int asked = session_ask(s, p);
+        if (asked == AGAIN) {
+            i -= i > 0;
+            session_strike(s, &s->patches[i]);
+            continue;
+        }
+        if (asked != LCCAL_OK)
+            return asked;
+        int result = session_patch(s, p);
+        if (result == LCCAL_OK)
+            result = follow_up(s, i);
+        if (result == LCCAL_REJECTED && !s->options->yes) {
+            session_strike(s, p);
+            continue;
+        }
+        if (result != LCCAL_OK)
+            return result;
+        if (i == WHITE && s->kind != READING_LUMINANCE && !s->options->yes &&
+            session_patch_density(s, p) > D_SURELY_BLACK)
+            lccal_say("That was the black patch, it seems; then white is next.");
+        i++;
+    }
+    return session_refine(s);
+}
+
+static void plan_patches(session *s)
+{
+    const int steps = s->options->ramp;
+    s->patches[WHITE] = (patch){.name = "white", .level = 255.0};
+    s->patches[BLACK] = (patch){.name = "black", .level = 0.0};
+    s->patch_count = FIRST_STEP;
+    for (int k = steps; k >= 1; k--) {
+        patch *p = &s->patches[s->patch_count++];
+        *p = (patch){.level = (double)(int)(255.0 * k / (steps + 1) + 0.5)};
+        snprintf(p->name, sizeof p->name, "grey %d", (int)p->level);
+    }
 }
 
 static int provenance(session *s)
 {
-    char            text[256], created[32];
-    const char     *source = "reflection density, visual";
-    const time_t    now = time(NULL);
-    const struct tm utc = *gmtime(&now);
+    char         text[256], created[32];
+    const char  *source = "reflection density, visual";
+    const time_t now = time(NULL);
+    struct tm    utc;
     switch (s->kind) {
     case READING_REFLECTION: break;
     case READING_TRANSMISSION: source = "transmission density, visual"; break;
-    case READING_LUMINANCE: source = "luminance in cd/m2"; break;
+    case READING_LUMINANCE: source = "luminance, cd/m2"; break;
     }
-    describe(&s->in, text, sizeof text);
-    strftime(created, sizeof created, "%Y-%m-%dT%H:%M:%SZ", &utc);
+    session_describe(&s->in, text, sizeof text);
+    strftime(created, sizeof created, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
     lcor_error err;
     if (lcor_profile_keyword_set(s->profile, "INSTRUMENTATION", text, &err) != LCOR_OK ||
         lcor_profile_keyword_set(s->profile, "CREATED", created, &err) != LCOR_OK ||
@@ -160,34 +210,40 @@ static int provenance(session *s)
     return LCCAL_OK;
 }
 
-static int run(session *s)
+static int start_journal(session *s)
 {
-    patch     white = {.name = "white", .level = 255.0};
-    patch     black = {.name = "black", .level = 0.0};
-    lcor_error err;
-    if (lcor_profile_new(NULL, &s->profile, &err) != LCOR_OK)
-        return lccal_fail(LCCAL_FAILED, "%s", err.text);
-    int result = prompt(s, &white);
-    if (result == LCCAL_OK)
-        result = session_patch(s, &white);
-    if (result == LCCAL_OK)
-        result = prompt(s, &black);
-    if (result == LCCAL_OK)
-        result = session_patch(s, &black);
-    if (result == LCCAL_OK)
-        result = sort_out(s, &white, &black);
-    return result == LCCAL_OK ? provenance(s) : result;
+    char header[256];
+    snprintf(header, sizeof header, "lccal journal 1 %s %s readings=%d positions=%d ramp=%d\n",
+             s->in.driver->name, instrument_fact_get(&s->in, "serial"), s->options->readings,
+             s->options->positions, s->options->ramp);
+    return journal_open(&s->log, s->options->journal, header, s->options->resume);
 }
 
 int lccal_measure(const lccal_measure_options *options, lcor_profile **out)
 {
-    session s;
+    session    s;
+    lcor_error err;
     interrupt_install();
     int result = session_open(&s, options);
     if (result != LCCAL_OK)
         return result;
-    result = run(&s);
+    if (lcor_profile_new(NULL, &s.profile, &err) != LCOR_OK)
+        result = lccal_fail(LCCAL_FAILED, "%s", err.text);
+    if (result == LCCAL_OK)
+        result = start_journal(&s);
+    if (result == LCCAL_OK) {
+        plan_patches(&s);
+        result = run(&s);
+    }
+    if (result == LCCAL_OK)
+        result = provenance(&s);
     instrument_close(&s.in);
+    /* Readings that were rejected as a whole would be rejected again. */
+    const bool keep = result != LCCAL_REJECTED;
+    if (result != LCCAL_OK && keep && s.log.entries > 0)
+        lccal_say("The readings so far are in '%s'; the same command with --resume goes on.",
+                  s.log.path);
+    journal_close(&s.log, keep);
     if (result == LCCAL_OK)
         *out = s.profile;
     else

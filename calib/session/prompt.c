@@ -30,7 +30,7 @@ static int next_byte(void)
     }
 }
 
-answer prompt_wait(const char *patch, const char *question)
+answer prompt_line(const char *patch, const char *question, char *line, size_t capacity)
 {
     fprintf(stderr, "%s ", question);
     fflush(stderr);
@@ -38,14 +38,26 @@ answer prompt_wait(const char *patch, const char *question)
     lccal_event_text("patch", patch);
     lccal_event_text("text", question);
     lccal_event_end();
-    const int first = next_byte();
-    for (int byte = first; byte != '\n'; byte = next_byte()) {
+    size_t n = 0;
+    for (int byte = next_byte(); byte != '\n'; byte = next_byte()) {
         if (byte == -1)
             return ANSWER_CLOSED;
         if (byte == -2)
             return ANSWER_QUIT;
+        if (n + 1 < capacity)
+            line[n++] = (char)byte;
     }
-    if (first == 'q' || first == 'Q')
+    line[n] = '\0';
+    return ANSWER_GO;
+}
+
+answer prompt_wait(const char *patch, const char *question)
+{
+    char line[8];
+    const answer heard = prompt_line(patch, question, line, sizeof line);
+    if (heard != ANSWER_GO)
+        return heard;
+    if (line[0] == 'q' || line[0] == 'Q')
         return ANSWER_QUIT;
-    return first == 'r' || first == 'R' ? ANSWER_REDO : ANSWER_GO;
+    return line[0] == 'r' || line[0] == 'R' ? ANSWER_REDO : ANSWER_GO;
 }

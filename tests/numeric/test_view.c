@@ -5,7 +5,7 @@
 
 #include <lcor/view.h>
 
-enum { QUADS = 40, TRIANGLES = 40, PIXELS = 10000, CAMERAS = 5 };
+enum { QUADS = 40, TRIANGLES = 40, PIXELS = 10000, CAMERAS = 5, CULLED = 4 };
 
 typedef struct polygon {
     size_t count;
@@ -147,13 +147,25 @@ static void make_world(world *w)
 static lcor_camera camera_number(int i)
 {
     static const lcor_camera cameras[CAMERAS] = {
-        {{0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 1.2, 0, 0, 0, 320, 240, 0},
-        {{4, 4.5, 4}, {-1, -1.1, -0.9}, {0, 1, 0}, 0.7, 0, 0, 0, 311, 253, 0},
-        {{-4.9, -4.9, 3}, {2, 0.3, -0.1}, {0, 0, 1}, 2.2, 0, 0, 0, 400, 100, 0},
-        {{1, 2, 4.5}, {0.1, -0.2, -1}, {1, 1, 0}, 0, 7, 0, 0, 200, 300, 0},
-        {{14, 9, 17}, {-14, -9, -17}, {0, 1, 0}, 0.6, 0, 0, 0, 320, 240, 1},
+        {{0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 1.2, 0, 0, 0, 320, 240},
+        {{4, 4.5, 4}, {-1, -1.1, -0.9}, {0, 1, 0}, 0.7, 0, 0, 0, 311, 253},
+        {{-4.9, -4.9, 3}, {2, 0.3, -0.1}, {0, 0, 1}, 2.2, 0, 0, 0, 400, 100},
+        {{1, 2, 4.5}, {0.1, -0.2, -1}, {1, 1, 0}, 0, 7, 0, 0, 200, 300},
+        {{14, 9, 17}, {-14, -9, -17}, {0, 1, 0}, 0.6, 0, 0, 0, 320, 240},
     };
     return cameras[i];
+}
+
+static lcor_view *new_view(const world *w, const lcor_camera *camera, int lines, int cull)
+{
+    unsigned char flags[QUADS + TRIANGLES + 8];
+    const lcor_view_options options = {
+        .struct_size = sizeof options, .lines = lines, .cull_back = cull ? flags : NULL};
+    lcor_view *view = NULL;
+
+    memset(flags, 1, sizeof flags);
+    assert_int_equal(lcor_view_new(w->scene, camera, &options, &view, NULL), LCOR_OK);
+    return view;
 }
 
 /* The fragment of `face` in pixel (x, y), or NULL. */
@@ -174,7 +186,7 @@ static const lcor_span *span_of(const lcor_view *view, size_t x, size_t y, long 
 }
 
 static void check_pixel(const world *w, const lcor_view *view, const lcor_camera *camera, size_t x,
-                        size_t y, int *compared)
+                        size_t y, int cull, int *compared)
 {
     double origin[3], direction[3], covered, ahead;
     lcor_span at;
@@ -184,7 +196,7 @@ static void check_pixel(const world *w, const lcor_view *view, const lcor_camera
 
     /* a line of the view runs through the row's middle when their number is odd */
     lcor_camera_ray(camera, (double)x + 0.5, (double)y + 0.5, origin, direction);
-    hit = cast(w, origin, direction, camera->cull_back);
+    hit = cast(w, origin, direction, cull);
     if (hit.face < 0)
         return;
     span = span_of(view, x, y, hit.face, &covered);
@@ -214,12 +226,12 @@ static void view_agrees_with_an_independent_ray_caster(void **state)
         const lcor_camera camera = camera_number(i);
         lcor_view *view;
 
-        assert_int_equal(lcor_view_new(w.scene, &camera, 3, NULL, &view, NULL), LCOR_OK);
+        view = new_view(&w, &camera, 3, i == CULLED);
         for (int k = 0; k < PIXELS / CAMERAS; k++) {
             const size_t x = (size_t)(random_unit(&seed) * (double)camera.size_x);
             const size_t y = (size_t)(random_unit(&seed) * (double)camera.size_y);
 
-            check_pixel(&w, view, &camera, x, y, &compared);
+            check_pixel(&w, view, &camera, x, y, i == CULLED, &compared);
         }
         lcor_view_free(view);
     }
@@ -242,7 +254,7 @@ static void coverage_agrees_with_many_rays_a_pixel(void **state)
 
         camera.size_x = 12;
         camera.size_y = 9;
-        assert_int_equal(lcor_view_new(w.scene, &camera, 32, NULL, &view, NULL), LCOR_OK);
+        view = new_view(&w, &camera, 32, i == CULLED);
         for (size_t y = 0; y < camera.size_y; y++)
             for (size_t x = 0; x < camera.size_x; x++) {
                 double seen[QUADS + TRIANGLES + 8] = {0};
@@ -253,7 +265,7 @@ static void coverage_agrees_with_many_rays_a_pixel(void **state)
 
                     lcor_camera_ray(&camera, (double)x + (r % RAYS + 0.5) / RAYS,
                                     (double)y + (r / RAYS + 0.5) / RAYS, o, d);
-                    hit = cast(&w, o, d, camera.cull_back);
+                    hit = cast(&w, o, d, i == CULLED);
                     if (hit.face >= 0)
                         seen[hit.face] += 1.0 / (RAYS * RAYS);
                 }

@@ -4,7 +4,7 @@
 set -eu
 root=$1
 bad=0
-std="assert.h ctype.h errno.h float.h limits.h math.h stdarg.h stdbool.h stddef.h stdint.h stdio.h stdlib.h string.h time.h"
+std="assert.h ctype.h errno.h float.h limits.h math.h stdarg.h stdbool.h stddef.h stdint.h stdio.h stdlib.h string.h time.h wchar.h"
 
 includes() { sed -n 's/^ *# *include *["<]\([^">]*\)[">].*/\1/p' "$1"; }
 
@@ -32,7 +32,7 @@ room lib/src/correct   $base lcor/colour.h lcor/adapt.h lcor/correct.h colour/ a
 room lib/src/geometry  $base geometry/
 room lib/src/scene     $base lcor/scene.h geometry/ scene/
 room lib/src/radiosity $base lcor/scene.h lcor/radiosity.h geometry/ scene/ radiosity/
-room lib/src/view      $base lcor/scene.h lcor/radiosity.h lcor/view.h geometry/ scene/ view/
+room lib/src/view      $base lcor/scene.h lcor/radiosity.h lcor/view.h geometry/ scene/ radiosity/ view/
 room lib/src/profile   $base lcor/adapt.h lcor/profile.h profile/
 posix="dirent.h fcntl.h getopt.h glob.h grp.h libgen.h poll.h pwd.h pty.h signal.h sys/ termios.h unistd.h"
 room calib $std $posix lcor/ lccal.h transport/ instrument/ session/ command/ hidapi libusb tiffio.h linux/hidraw.h

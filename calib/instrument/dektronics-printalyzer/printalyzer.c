@@ -286,6 +286,8 @@ const instrument_driver printalyzer_driver = {
     .line = &line,
     .user_triggered = true,
     .how = "lower the head on the patch and hold the button until it has read",
+    .recalibrate = "in the instrument's menu choose Calibration, then Reflection (or Transmission), "
+                   "and measure its targets as it asks",
     .identify = identify,
     .measure = instrument_listen,
     .discard = instrument_discard,

@@ -33,7 +33,6 @@ typedef struct lcor_camera {
     double height;            /**< orthographic: height of the picture in scene units, > 0 */
     double z_near, z_far;     /**< clip distances along forward; 0 = none */
     size_t size_x, size_y;    /**< pixels, 1..65535 each */
-    int cull_back;            /**< 1: surfaces are not seen from behind (a look into a room) */
 } lcor_camera;
 
 /** Errors: LCOR_ERR_DOMAIN names the first number outside its range. */
@@ -47,19 +46,28 @@ LCOR_API void lcor_camera_ray(const lcor_camera *camera, double x, double y, dou
 /** Hidden-surface solution of one picture. */
 typedef struct lcor_view lcor_view;
 
+/** Zero it, set struct_size and what differs. NULL where taken means all zeros. */
+typedef struct lcor_view_options {
+    size_t struct_size;
+    int lines; /**< lines a pixel row for coverage, 1..64; 0 = 8 */
+    /** One flag a surface, or NULL: surfaces with flag 1 are seen from their facing side only,
+     *  as when one looks into a room from outside. Read by lcor_view_new only. */
+    const unsigned char *cull_back;
+    lcor_allocator allocator;
+} lcor_view_options;
+
 /** Find the visible surfaces of a whole picture.
  *
- *  Each pixel row is cut by `lines` equally spaced horizontal lines; along each line the nearest
- *  surfaces are found exactly, so coverage is exact in x and averaged over the lines in y.
- *  Surfaces that coincide: the one added first is seen.
+ *  Each pixel row is cut by equally spaced horizontal lines; along each line the nearest surfaces
+ *  are found exactly, so coverage is exact in x and averaged over the lines in y. Surfaces that
+ *  coincide: the one added first is seen.
  *
- *  @param scene   committed
- *  @param lines   1..64 lines a pixel row; 0 = 8
+ *  @param scene  committed
  *
  *  Errors: LCOR_ERR_ARG scene not committed, lines; LCOR_ERR_DOMAIN camera; LCOR_ERR_NOMEM.
  *  Memory: about 32 bytes a span.  Cost: lines x size_y x surfaces met by a line. */
-LCOR_API lcor_status lcor_view_new(const lcor_scene *scene, const lcor_camera *camera, int lines,
-                                   const lcor_allocator *allocator, lcor_view **out,
+LCOR_API lcor_status lcor_view_new(const lcor_scene *scene, const lcor_camera *camera,
+                                   const lcor_view_options *options, lcor_view **out,
                                    lcor_error *err);
 LCOR_API void lcor_view_free(lcor_view *view);
 
@@ -97,8 +105,9 @@ typedef struct lcor_field lcor_field;
 /** Zero it, set struct_size and what differs. */
 typedef struct lcor_field_options {
     size_t struct_size;
-    double tolerance; /**< interpolation error wanted, relative to the irradiance or to 2 %
-                           of the picture's mean, whichever is more; 0 = 0.001 */
+    double tolerance;     /**< interpolation error wanted, relative to the irradiance or to 2 % of
+                               the picture's mean, whichever is more; 0 = 0.001 */
+    uint64_t max_samples; /**< splitting is kept to the worst places beyond; 0 = 32768 */
     lcor_parallel parallel;
     lcor_progress progress;
     lcor_allocator allocator;

@@ -7,6 +7,8 @@
 
 #include <string.h>
 
+#define DERIVED_DIGITS 6 /* more than any densitometer is worth */
+
 typedef struct writer {
     char *buffer;
     size_t capacity, size; /* size counts on past capacity */
@@ -19,21 +21,23 @@ static void put(writer *w, const char *text)
             w->buffer[w->size] = *text;
 }
 
-static void put_number(writer *w, double value)
+static void put_digits(writer *w, double value, int digits)
 {
     char text[LCOR_NUMBER_SIZE];
-    lcor_internal_number_format(value, text);
+    lcor_internal_number_format(value, digits, text);
     put(w, text);
 }
 
-static void put_own(writer *w, const char *name, double value)
+static void put_number(writer *w, double value) { put_digits(w, value, LCOR_NUMBER_DIGITS); }
+
+static void put_own(writer *w, const char *name, double value, int digits)
 {
     put(w, "KEYWORD \"");
     put(w, name);
     put(w, "\"\n");
     put(w, name);
     put(w, " \"");
-    put_number(w, value);
+    put_digits(w, value, digits);
     put(w, "\"\n");
 }
 
@@ -66,12 +70,12 @@ static void put_header(writer *w, const lcor_profile *p, const lcor_profile_resu
         put(w, k->value);
         put(w, "\"\n");
     }
-    put_own(w, "LCOR_PROFILE_VERSION", LCOR_PROFILE_FORMAT_VERSION);
+    put_own(w, "LCOR_PROFILE_VERSION", LCOR_PROFILE_FORMAT_VERSION, 1);
     put(w, "KEYWORD \"LCOR_BLACK\"\nLCOR_BLACK \"");
     put(w, p->black == LCOR_BLACK_DARKEST ? "DARKEST\"\n" : "FULL\"\n");
-    put_own(w, "LCOR_RESOLUTION", p->resolution);
-    put_own(w, "LCOR_CONTRAST", result->contrast);
-    put_own(w, "LCOR_CONTRAST_U95", result->contrast_u95);
+    put_own(w, "LCOR_RESOLUTION", p->resolution, LCOR_NUMBER_DIGITS);
+    put_own(w, "LCOR_CONTRAST", result->contrast, DERIVED_DIGITS);
+    put_own(w, "LCOR_CONTRAST_U95", result->contrast_u95, DERIVED_DIGITS);
 }
 
 static void put_columns(writer *w, unsigned has)

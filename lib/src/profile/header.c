@@ -8,9 +8,9 @@
 #include <string.h>
 
 const char *const lcor_internal_columns[COLUMNS] = {
-    "RGB_R",  "RGB_G", "RGB_B", "CMYK_C",        "CMYK_M",    "CMYK_Y",
-    "CMYK_K", "XYZ_X", "XYZ_Y", "XYZ_Z",         "D_RED",     "D_GREEN",
-    "D_BLUE", "D_VIS", "LAB_L", "LCOR_REJECTED", "SAMPLE_ID", "SAMPLE_NAME"};
+    "RGB_R", "RGB_G", "RGB_B", "CMYK_C",        "CMYK_M",    "CMYK_Y",     "CMYK_K",
+    "XYZ_X", "XYZ_Y", "XYZ_Z", "D_RED",         "D_GREEN",   "D_BLUE",     "D_VIS",
+    "LAB_L", "LAB_A", "LAB_B", "LCOR_REJECTED", "SAMPLE_ID", "SAMPLE_NAME"};
 
 /* Columns that come together or not at all, and what they make of a reading. */
 static const struct {
@@ -182,31 +182,41 @@ static lcor_status header_line(reader *r, cgats_word name)
     return status;
 }
 
+/* How many of the columns first..first+count-1 there are. */
+static int columns_there(const reader *r, int first, int count)
+{
+    int found = 0;
+    for (int i = first; i < first + count; i++)
+        found += r->field[i] != 0;
+    return found;
+}
+
 static lcor_status check_columns(reader *r)
 {
     if (r->fields == 0)
         return lcor_internal_bad(r, "BEGIN_DATA without a data format before it");
     for (size_t g = 0; g < sizeof groups / sizeof groups[0]; g++) {
-        int found = 0;
-        for (int i = 0; i < groups[g].count; i++)
-            found += r->field[groups[g].first + i] != 0;
+        const int found = columns_there(r, groups[g].first, groups[g].count);
         if (found == groups[g].count)
             r->has |= groups[g].has;
         else if (found > 0)
-            for (int i = 0; i < groups[g].count; i++)
-                if (!r->field[groups[g].first + i])
-                    return lcor_internal_fail(r->err, LCOR_ERR_FORMAT, r->text.line,
-                                              "the column %s is missing beside its sisters",
-                                              lcor_internal_columns[groups[g].first + i]);
+            return lcor_internal_fail(r->err, LCOR_ERR_FORMAT, r->text.line,
+                                      "line %ld: of the columns %s to %s some are missing",
+                                      r->text.line, lcor_internal_columns[groups[g].first],
+                                      lcor_internal_columns[groups[g].first + groups[g].count - 1]);
     }
     if (!(r->has & (LCOR_HAS_RGB | LCOR_HAS_CMYK)))
         return lcor_internal_bad(
             r, "no columns RGB_R RGB_G RGB_B or CMYK_C CMYK_M CMYK_Y CMYK_K: which patch is "
                "black cannot be told");
-    if (!(r->has & (LCOR_HAS_VISUAL | LCOR_HAS_XYZ)))
+    if (r->has & (LCOR_HAS_VISUAL | LCOR_HAS_XYZ))
+        return LCOR_OK;
+    if (columns_there(r, LAB_L, 3) != 3)
         return lcor_internal_bad(
-            r, "no column D_VIS and no XYZ_X XYZ_Y XYZ_Z: export the measurements with "
-               "densities or XYZ");
+            r, "no column D_VIS, no XYZ_X XYZ_Y XYZ_Z and no LAB_L LAB_A LAB_B: export the "
+               "measurements with one of them");
+    r->has |= LCOR_HAS_XYZ;
+    r->from_lab = 1;
     return LCOR_OK;
 }
 

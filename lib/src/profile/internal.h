@@ -42,6 +42,9 @@ lcor_status lcor_internal_profile_keep(lcor_profile *profile, const char *name, 
 int lcor_internal_is_white(const lcor_profile_reading *reading);
 int lcor_internal_is_full_black(const lcor_profile_reading *reading);
 
+/* Two-sided 95 % quantile of Student's t. */
+double lcor_internal_student95(double freedom);
+
 /* Density of visual readings, -log10(Y/100) of XYZ ones. */
 double lcor_internal_density(const lcor_profile_reading *reading);
 

@@ -5,7 +5,6 @@
 #include <stdint.h>
 #include <string.h>
 
-#define DIGITS       9   /* significant digits written */
 #define EXPONENT_CAP 400 /* beyond this a double is infinite or 0 in any case */
 
 /* x * 10^e. Powers up to 22 are exact in a double, so one division or multiplication rounds once.
@@ -84,20 +83,22 @@ int lcor_internal_number_parse(const char *text, size_t n, double *value, int *d
     return 1;
 }
 
-/* Decimal digits of |x| > 0 without trailing zeros, and the power of ten of the first one. */
-static int significant_digits(double x, char digits[DIGITS], int *power)
+/* x > 0 as `wanted` decimal digits and the power of ten of the first; returns how many there are
+ * without the zeros at the end. */
+static int significant_digits(double x, int wanted, char digits[LCOR_NUMBER_DIGITS], int *power)
 {
+    const double limit = scale10(1.0, wanted);
     int e = (int)floor(log10(x));
-    /* log10 may be one off next to a power of ten, and rounding up may carry into a new digit. */
-    double scaled = floor(scale10(x, DIGITS - 1 - e) + 0.5);
-    if (scaled < 1e8)
-        scaled = floor(scale10(x, DIGITS - 1 - --e) + 0.5);
-    if (scaled >= 1e9)
-        scaled = floor(scale10(x, DIGITS - 1 - ++e) + 0.5);
+    /* log10 may be one off next to a power of ten, and rounding may carry into a new digit. */
+    double scaled = floor(scale10(x, wanted - 1 - e) + 0.5);
+    if (scaled < limit / 10.0)
+        scaled = floor(scale10(x, wanted - 1 - --e) + 0.5);
+    if (scaled >= limit)
+        scaled = floor(scale10(x, wanted - 1 - ++e) + 0.5);
     uint64_t left = (uint64_t)scaled;
-    for (int i = DIGITS - 1; i >= 0; i--, left /= 10)
+    for (int i = wanted - 1; i >= 0; i--, left /= 10)
         digits[i] = (char)('0' + left % 10);
-    int count = DIGITS;
+    int count = wanted;
     while (count > 1 && digits[count - 1] == '0')
         count--;
     *power = e;
@@ -117,16 +118,16 @@ static size_t put_integer(char *out, int value)
     return written;
 }
 
-size_t lcor_internal_number_format(double value, char buffer[LCOR_NUMBER_SIZE])
+size_t lcor_internal_number_format(double value, int wanted, char buffer[LCOR_NUMBER_SIZE])
 {
-    char digits[DIGITS];
+    char digits[LCOR_NUMBER_DIGITS];
     int power = 0;
     size_t n = 0;
     if (value == 0.0 || !isfinite(value)) {
         memcpy(buffer, "0", 2);
         return 1;
     }
-    const int count = significant_digits(fabs(value), digits, &power);
+    const int count = significant_digits(fabs(value), wanted, digits, &power);
     if (value < 0.0)
         buffer[n++] = '-';
     if (power < -6 || power > 12) { /* d.ddde+-x */
@@ -149,4 +150,13 @@ size_t lcor_internal_number_format(double value, char buffer[LCOR_NUMBER_SIZE])
     }
     buffer[n] = '\0';
     return n;
+}
+
+double lcor_internal_number_round(double value)
+{
+    char text[LCOR_NUMBER_SIZE];
+    double rounded = 0.0;
+    const size_t n = lcor_internal_number_format(value, LCOR_NUMBER_DIGITS, text);
+    (void)lcor_internal_number_parse(text, n, &rounded, NULL);
+    return rounded;
 }

@@ -7,14 +7,20 @@
 
 /* Enough for any number number_format writes, with its NUL. */
 #define LCOR_NUMBER_SIZE 32
+/* More than any instrument or program gives. */
+#define LCOR_NUMBER_DIGITS 9
 
 /* [+-] digits [. digits] [e [+-] digits], all of text[0..n-1]; returns 0 for anything else, and for
  * a value too large for a double. Exact to half a unit in the last place for up to 15 digits,
  * to a few units for more. `*decimals` (may be NULL): digits after the point less the exponent. */
 int lcor_internal_number_parse(const char *text, size_t n, double *value, int *decimals);
 
-/* The shortest text that stands for `value` (finite) rounded to 9 significant digits. Parsing it
- * and formatting that again gives the same text. Returns its length. */
-size_t lcor_internal_number_format(double value, char buffer[LCOR_NUMBER_SIZE]);
+/* The shortest text that stands for `value` (finite) rounded to that many significant digits, 1 to
+ * LCOR_NUMBER_DIGITS. Parsing it and formatting that again gives the same text. Returns its length.
+ */
+size_t lcor_internal_number_format(double value, int digits, char buffer[LCOR_NUMBER_SIZE]);
+
+/* What reading gives after writing `value` with LCOR_NUMBER_DIGITS. */
+double lcor_internal_number_round(double value);
 
 #endif

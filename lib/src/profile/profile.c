@@ -181,6 +181,13 @@ static int printable(const char *text)
     return 1;
 }
 
+/* A profile in memory holds what its text will hold, so that both give the same results. */
+static void round_all(double *values, int n)
+{
+    for (int i = 0; i < n; i++)
+        values[i] = lcor_internal_number_round(values[i]);
+}
+
 lcor_status lcor_internal_profile_add(lcor_profile *profile, const lcor_profile_reading *reading,
                                       const char *id, size_t id_n, const char *name, size_t name_n,
                                       lcor_error *err)
@@ -190,7 +197,8 @@ lcor_status lcor_internal_profile_add(lcor_profile *profile, const lcor_profile_
         return status;
     char number[LCOR_NUMBER_SIZE];
     if (id_n == 0) {
-        id_n = lcor_internal_number_format((double)(profile->count + 1), number);
+        id_n =
+            lcor_internal_number_format((double)(profile->count + 1), LCOR_NUMBER_DIGITS, number);
         id = number;
     }
     void *items = profile->readings;
@@ -199,6 +207,10 @@ lcor_status lcor_internal_profile_add(lcor_profile *profile, const lcor_profile_
     profile->readings = items;
     lcor_profile_reading copy = *reading;
     copy.rejected = reading->rejected != 0;
+    round_all(copy.rgb, 3);
+    round_all(copy.cmyk, 4);
+    round_all(copy.density, 4);
+    round_all(copy.xyz, 3);
     copy.id = grown ? lcor_internal_profile_text(profile, id, id_n) : NULL;
     copy.name = copy.id ? lcor_internal_profile_text(profile, name, name_n) : NULL;
     if (!copy.name)
@@ -333,7 +345,7 @@ lcor_status lcor_profile_resolution_set(lcor_profile *profile, double step, lcor
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "profile is NULL");
     if (!(step >= 0.0 && step <= 1e6))
         return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1, "a resolution must be 0 or more");
-    profile->resolution = step;
+    profile->resolution = lcor_internal_number_round(step);
     return LCOR_OK;
 }
 

@@ -22,6 +22,8 @@ enum {
     D_BLUE,
     D_VIS,
     LAB_L,
+    LAB_A,
+    LAB_B,
     REJECTED,
     NUMBERS, /* columns of numbers end here */
     ID = NUMBERS,
@@ -44,6 +46,7 @@ typedef struct reader {
     size_t field[COLUMNS]; /* 1 + place of the column in a row; 0: not there */
     size_t fields;
     unsigned has;
+    int from_lab;         /* XYZ are computed from L*a*b* */
     double declared_sets; /* -1: not said */
     size_t sets;
     double largest[NUMBERS];
@@ -60,5 +63,10 @@ lcor_status lcor_internal_bad_bytes(const reader *r);
 
 /* All up to BEGIN_DATA: keywords into the profile, columns into the reader. */
 lcor_status lcor_internal_read_header(reader *r);
+
+/* Do the readings of another program's text make sense, or have columns the wrong label? */
+lcor_status lcor_internal_check_plausible(const reader *r);
+/* Do the readings give what the text says they do? */
+lcor_status lcor_internal_check_contrast(const reader *r);
 
 #endif

@@ -53,3 +53,30 @@ int lcor_direct_shadowed(const lcor_scene *scene, const lcor_light *light, const
     }
     return lcor_scene_blocked(scene, x, light->position, skip, cache);
 }
+
+double light_channel(const light_set *set, const double rgb[3], int c)
+{
+    return set->channels == 3 ? rgb[c] : vec_dot(rgb, set->luminance);
+}
+
+int light_is_open(const lcor_scene *scene, const lcor_light *light)
+{
+    return scene->convex && light->kind != LCOR_LIGHT_DIRECTIONAL &&
+           lcor_scene_inside(scene, light->position);
+}
+
+void light_at(const light_set *set, const double x[3], const double normal[3], uint32_t skip,
+              double *out)
+{
+    for (int c = 0; c < set->channels; c++)
+        out[c] = 0;
+    for (size_t i = 0; i < set->scene->lights.count; i++) {
+        const lcor_light *light = scene_light_at(set->scene, i);
+        const double      value = lcor_direct_unshadowed(light, x, normal);
+
+        if (value > 0 &&
+            (set->open[i] || !lcor_direct_shadowed(set->scene, light, x, skip, NULL)))
+            for (int c = 0; c < set->channels; c++)
+                out[c] += value * light_channel(set, light->intensity, c);
+    }
+}

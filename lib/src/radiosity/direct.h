@@ -16,6 +16,24 @@ double lcor_direct_unshadowed(const lcor_light *light, const double x[3], const 
 int lcor_direct_shadowed(const lcor_scene *scene, const lcor_light *light, const double x[3],
                          uint32_t skip, uint32_t *cache);
 
+/* The lights of a scene as the engines use them. */
+typedef struct light_set {
+    const lcor_scene *scene;
+    int               channels;
+    double            luminance[3]; /* weights of the channels where there is one */
+    unsigned char    *open;         /* per light: nothing in the scene stands in its way */
+} light_set;
+
+/* `rgb` in channel c of 1 or 3. */
+double light_channel(const light_set *set, const double rgb[3], int c);
+
+/* Whether nothing can hide the light from surfaces that face it. */
+int light_is_open(const lcor_scene *scene, const lcor_light *light);
+
+/* Irradiance at x, all lights with their shadows: `channels` values. */
+void light_at(const light_set *set, const double x[3], const double normal[3], uint32_t skip,
+              double *out);
+
 /* Direct irradiance at x, all lights, with shadows: report.channels values. Starts no parallel
  * work, so tasks may call it. */
 void lcor_solution_direct_at(const lcor_solution *solution, const double x[3],

@@ -209,7 +209,7 @@ int lcor_scene_blocked_towards(const lcor_scene *scene, const double from[3],
     vec_copy(from, ray.origin);
     vec_copy(direction, ray.direction);
     ray.t_min = SCENE_TOUCH * scene->diameter / vec_length(direction);
-    ray.t_max = INFINITY;
+    ray.t_max = (double)INFINITY;
     ray.skip = skip;
     return lcor_bvh_occluded(scene->bvh, &ray, cache);
 }

@@ -54,9 +54,10 @@ struct lcor_view {
     lcor_camera camera;
     view_surface *surfaces;
     size_t surface_count;
-    lcor_array corners; /* double[2] */
-    lcor_array spans;   /* lcor_span */
-    size_t *rows;       /* size_y + 1 places in spans */
+    const unsigned char *cull_back; /* the caller's, while surfaces are projected */
+    lcor_array corners;             /* double[2] */
+    lcor_array spans;               /* lcor_span */
+    size_t *rows;                   /* size_y + 1 places in spans */
 };
 
 /* project.c: fills view->surfaces and view->corners. */

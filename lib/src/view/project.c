@@ -166,7 +166,7 @@ static lcor_status project(lcor_view *view, const camera_frame *frame, size_t id
     }
     if (!set_depth(frame, shape->origin, scale, s))
         return LCOR_OK;
-    if (view->camera.cull_back && !s->front)
+    if (view->cull_back && view->cull_back[id] && !s->front)
         return LCOR_OK;
     dual_basis(shape->edge_u, shape->edge_v, g_u, g_v);
     s->u = across_plane(frame, g_u, shape->origin, s);

@@ -62,33 +62,40 @@ static lcor_status fill(lcor_view *view, size_t lines, lcor_error *err)
     return status;
 }
 
-lcor_status lcor_view_new(const lcor_scene *scene, const lcor_camera *camera, int lines,
-                          const lcor_allocator *allocator, lcor_view **out, lcor_error *err)
+lcor_status lcor_view_new(const lcor_scene *scene, const lcor_camera *camera,
+                          const lcor_view_options *options, lcor_view **out, lcor_error *err)
 {
-    lcor_allocator given;
+    const lcor_view_options plain = {.struct_size = sizeof plain};
+    lcor_allocator allocator;
     lcor_view *view;
     size_t bytes;
     lcor_status status;
 
+    if (!options)
+        options = &plain;
     if (!scene || !out || !scene->committed)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "a view needs a committed scene");
-    if (lines < 0 || lines > VIEW_LINES_MAX)
-        return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "lines must be 0 to %d", VIEW_LINES_MAX);
+    if (options->struct_size == 0 || options->lines < 0 || options->lines > VIEW_LINES_MAX)
+        return lcor_internal_fail(err, LCOR_ERR_ARG, -1,
+                                  "view options: struct_size unset, or lines not 0 to %d",
+                                  VIEW_LINES_MAX);
     status = lcor_camera_check(camera, err);
     if (status == LCOR_OK)
-        status = lcor_internal_allocator(allocator, &given, err);
+        status = lcor_internal_allocator(&options->allocator, &allocator, err);
     if (status != LCOR_OK)
         return status;
     if (!lcor_internal_size_mul(lcor_scene_surface_count(scene), sizeof(view_surface), &bytes))
         return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "too many surfaces");
-    view = lcor_internal_alloc(&given, sizeof *view);
+    view = lcor_internal_alloc(&allocator, sizeof *view);
     if (!view)
         return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory for the view");
-    *view = (lcor_view){.allocator = given,
+    *view = (lcor_view){.allocator = allocator,
                         .scene = scene,
                         .camera = *camera,
+                        .cull_back = options->cull_back,
                         .surface_count = lcor_scene_surface_count(scene)};
-    status = fill(view, lines ? (size_t)lines : LINES_DEFAULT, err);
+    status = fill(view, options->lines ? (size_t)options->lines : LINES_DEFAULT, err);
+    view->cull_back = NULL;
     if (status == LCOR_OK)
         *out = view;
     else

@@ -8,11 +8,11 @@ import random
 import sys
 import time
 
+from . import colorhug2, line, printalyzer, rci, usb
 from . import faults as wire
 from .channel import Pty, SerialPort, Unplugged
-from .printalyzer import FAULTS as PRINTALYZER_FAULTS
-from .printalyzer import Printalyzer
 
+MODELS = {"printalyzer": printalyzer, "line": line, "xrite-rci": rci, "colorhug2": colorhug2}
 SETTLE = 0.3  # seconds of silence after the last command before somebody presses
 
 
@@ -21,10 +21,14 @@ def arguments() -> argparse.Namespace:
         prog="python -m lcor.emulator",
         description="An emulated densitometer or colorimeter. The first line it prints is the "
         "port it is on. Densities read from standard input, one a line, are pressed at once.",
-        epilog=wire.__doc__,
+        epilog="\n".join(
+            part.__doc__.partition("\n\n")[2] if part is wire else f"{name}: {part.__doc__}"
+            for name, part in (("", wire), *MODELS.items())
+        ),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--model", default="printalyzer", help="printalyzer")
+    parser.add_argument("--model", default="printalyzer",
+                        help="printalyzer, line:PRESET, xrite-rci or colorhug2 [printalyzer]")
     parser.add_argument("--port", help="a serial port to be on, through pyserial [a new pty]")
     parser.add_argument("--baud", type=int, default=115200, help="of that port")
     parser.add_argument("--dmin", type=float, default=0.07, help="density of white [0.07]")
@@ -41,6 +45,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--mode", default="R", choices=("R", "T"), help="reflection, transmission")
     parser.add_argument("--fault", action="append", default=[], metavar="NAME[=VALUE]")
     parser.add_argument("--once", action="store_true", help="end when the program closes the port")
+    parser.add_argument("command", nargs="*", help="colorhug2: the program to run on it")
     return parser.parse_args()
 
 
@@ -79,10 +84,16 @@ class Bench:
 
     def __init__(self, options: argparse.Namespace) -> None:
         self.options = options
-        self.channel = SerialPort(options.port, options.baud) if options.port else Pty()
-        self.faults = wire.Faults(options.fault, PRINTALYZER_FAULTS)
+        model, _, preset = options.model.partition(":")
+        self.faults = wire.Faults(options.fault, MODELS[model].FAULTS)
         self.patches = Patches(options)
-        self.instrument = Printalyzer(self.say, self.faults, options.mode)
+        if model == "printalyzer":
+            self.instrument = printalyzer.Printalyzer(self.say, self.faults, options.mode)
+        elif model == "line":
+            self.instrument = line.LinePrinter(self.say, self.faults, preset)
+        else:
+            self.instrument = rci.Dtp41(self.say, self.faults, self.patches.next)
+        self.channel = SerialPort(options.port, options.baud) if options.port else Pty()
         self.present = False
         self.quiet_since = math.inf
         self.inputs = [] if options.auto_press else [sys.stdin.fileno()]
@@ -101,6 +112,7 @@ class Bench:
                 time.sleep(0.01)
             elif not self.present:
                 self.present = True
+                self.quiet_since = time.monotonic()
                 self.patches.restart()
                 self.instrument.connect()
             if data:
@@ -112,7 +124,9 @@ class Bench:
                 self.press_when_due()
 
     def press_when_due(self) -> None:
-        if not (self.options.auto_press and self.instrument.ready):
+        if not (self.options.auto_press and self.instrument.user_triggered):
+            return
+        if not self.instrument.ready:
             return
         if time.monotonic() - self.quiet_since < SETTLE:
             return
@@ -129,9 +143,25 @@ class Bench:
             self.instrument.press(self.patches.spoil(float(word)))
 
 
+def run_on_usb(options: argparse.Namespace) -> int:
+    """A USB device lives as long as the program that runs on it."""
+    patches = Patches(options)
+    faults = wire.Faults(options.fault, colorhug2.FAULTS)
+    try:
+        device = usb.MockedUsb(colorhug2.ColorHug2(faults, patches.next), faults)
+    except usb.Missing as error:
+        print(f"lcor.emulator: {error}", file=sys.stderr)
+        return 77
+    return device.run(options.command)
+
+
 def main() -> int:
     options = arguments()
     try:
+        if options.model.partition(":")[0] not in MODELS:
+            raise ValueError(f"no model '{options.model}'; known: {', '.join(MODELS)}")
+        if options.model == "colorhug2":
+            return run_on_usb(options)
         bench = Bench(options)
     except ValueError as error:
         print(f"lcor.emulator: {error}", file=sys.stderr)

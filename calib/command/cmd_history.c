@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: MIT */
+/* `lccal history`: how a device changed from profile to profile. */
+#define _POSIX_C_SOURCE 200809L
+#include "command/profile_file.h"
+
+#include <dirent.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const char help[] =
+    "lccal history PROFILE|FOLDER ...\n"
+    "\n"
+    "  Profiles in the order of their CREATED dates, with the change of contrast since the first\n"
+    "  and whether it is more than both uncertainties explain. A folder stands for its *.cgats\n"
+    "  files; the backup that lccal keeps beside a profile (PROFILE~) is listed with it.\n"
+    "\n"
+    "  --json              an event \"history\" for each, one object a line\n"
+    "  --quiet, --help, --version\n";
+
+typedef struct entry {
+    char *path;
+    double created; /* seconds since 1970, or -1 */
+    char date[40];
+    lcor_profile_result result;
+} entry;
+
+typedef struct history {
+    entry *entries;
+    size_t count, room;
+} history;
+
+static int add_profile(history *h, const char *path)
+{
+    lcor_profile *profile = NULL;
+    int status = profile_load(path, &profile);
+    if (status != LCCAL_OK)
+        return status;
+    entry e = {.created = profile_created(profile)};
+    const char *date = lcor_profile_keyword(profile, "CREATED");
+    snprintf(e.date, sizeof e.date, "%s", date ? date : "no date");
+    status = profile_evaluate(profile, &e.result);
+    lcor_profile_free(profile);
+    if (status != LCCAL_OK)
+        return status;
+    if (h->count == h->room) {
+        const size_t room = h->room ? 2 * h->room : 16;
+        entry *larger = realloc(h->entries, room * sizeof *larger);
+        if (!larger)
+            return lccal_fail(LCCAL_FAILED, "out of memory");
+        h->entries = larger;
+        h->room = room;
+    }
+    e.path = strdup(path);
+    if (!e.path)
+        return lccal_fail(LCCAL_FAILED, "out of memory");
+    h->entries[h->count++] = e;
+    return LCCAL_OK;
+}
+
+static bool ends_with(const char *text, const char *end)
+{
+    const size_t n = strlen(text), m = strlen(end);
+    return n > m && strcmp(text + n - m, end) == 0;
+}
+
+static int add_folder(history *h, const char *path)
+{
+    DIR *dir = opendir(path);
+    if (!dir)
+        return lccal_fail(LCCAL_FAILED, "cannot read the folder '%s'", path);
+    int status = LCCAL_OK;
+    for (struct dirent *d = readdir(dir); d && status == LCCAL_OK; d = readdir(dir)) {
+        char file[4096];
+        const int n = snprintf(file, sizeof file, "%s/%s", path, d->d_name);
+        if ((ends_with(d->d_name, ".cgats") || ends_with(d->d_name, ".cgats~")) && n > 0 &&
+            (size_t)n < sizeof file)
+            status = add_profile(h, file);
+    }
+    closedir(dir);
+    return status;
+}
+
+static int add_operand(history *h, const char *path)
+{
+    struct stat info;
+    char backup[4096];
+    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
+        return add_folder(h, path);
+    const int status = add_profile(h, path);
+    const int n = snprintf(backup, sizeof backup, "%s~", path);
+    if (status == LCCAL_OK && n > 0 && (size_t)n < sizeof backup && stat(backup, &info) == 0)
+        return add_profile(h, backup);
+    return status;
+}
+
+static int by_date(const void *a, const void *b)
+{
+    const entry *const x = a, *const y = b;
+    if (x->created != y->created)
+        return x->created < y->created ? -1 : 1;
+    return strcmp(x->path, y->path);
+}
+
+static void tell(const entry *e, const entry *first)
+{
+    const double change = 100.0 * (e->result.contrast / first->result.contrast - 1.0);
+    const double u = hypot(e->result.contrast_u95, first->result.contrast_u95);
+    const bool known = e->result.contrast_u95 > 0.0 && first->result.contrast_u95 > 0.0;
+    const bool drifted = known && fabs(e->result.contrast - first->result.contrast) > u;
+    if (lccal_json()) {
+        lccal_event_begin("history");
+        lccal_event_text("path", e->path);
+        lccal_event_text("created", e->date);
+        lccal_event_number("contrast", e->result.contrast, 4);
+        lccal_event_number("contrast_u95", e->result.contrast_u95, 4);
+        lccal_event_number("d_min", e->result.d_min, 4);
+        lccal_event_number("d_max", e->result.d_max, 4);
+        lccal_event_number("change_percent", change, 2);
+        lccal_event_bool("significant", drifted);
+        lccal_event_end();
+        return;
+    }
+    char c[80], d_min[32], d_max[32], percent[32];
+    lccal_format_number(d_min, sizeof d_min, e->result.d_min, 3);
+    lccal_format_number(d_max, sizeof d_max, e->result.d_max, 3);
+    lccal_format_number(percent, sizeof percent, change, 1);
+    printf("%-20s  %-17s  %6s  %6s  %6s %%%s  %s\n", e->date,
+           profile_contrast_text(&e->result, c, sizeof c), d_min, d_max, percent,
+           drifted ? " *" : "  ", e->path);
+}
+
+int cmd_history(int argc, char **argv)
+{
+    history h = {0};
+    int status = lccal_parse_options(&argc, argv, NULL, 0, help);
+    if (status != LCCAL_OK)
+        return status < 0 ? LCCAL_OK : status;
+    if (argc < 2)
+        return lccal_fail(LCCAL_USAGE,
+                          "history wants profiles or a folder of them; --help explains");
+    for (int i = 1; i < argc && status == LCCAL_OK; i++)
+        status = add_operand(&h, argv[i]);
+    if (status == LCCAL_OK && h.count == 0)
+        status = lccal_fail(LCCAL_FAILED, "no profile (*.cgats) found there");
+    if (status == LCCAL_OK) {
+        qsort(h.entries, h.count, sizeof *h.entries, by_date);
+        if (!lccal_json())
+            printf("%-20s  %-17s  %6s  %6s  %8s\n", "created", "contrast", "D_min", "D_max",
+                   "change");
+        for (size_t i = 0; i < h.count; i++)
+            tell(&h.entries[i], &h.entries[0]);
+    }
+    for (size_t i = 0; i < h.count; i++)
+        free(h.entries[i].path);
+    free(h.entries);
+    return status;
+}

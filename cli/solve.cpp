@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: MIT */
+#include "scene.h"
+
+#include <algorithm>
+
+namespace cli
+{
+
+void SolveOptions::declare(Options &options)
+{
+    options
+        .number("--tolerance", "T", tolerance, "relative error of illuminance to reach, default 0.01")
+        .choice("--norm", {"rms", "max"}, norm, "over patches: root mean square (default) or largest")
+        .choice("--engine", {"auto", "links", "gather"}, engine, "how radiosity is solved")
+        .number("--max-seconds", "S", max_seconds, "stop solving after S seconds with what there is");
+}
+
+SolutionPointer solve(const Scene &scene, const SolveOptions &options, Threads &threads)
+{
+    if (!(options.tolerance >= 1e-5 && options.tolerance <= 1.0))
+        fail(Exit::usage, "--tolerance must lie in 0.00001..1, not %s",
+             number_text(options.tolerance).c_str());
+    if (options.max_seconds < 0.0)
+        fail(Exit::usage, "--max-seconds must not be negative");
+    Progress progress("radiosity");
+    lcor_radiosity_options settings = {};
+    settings.struct_size = sizeof settings;
+    settings.tolerance = options.tolerance;
+    settings.norm = static_cast<lcor_norm>(options.norm);
+    settings.engine = static_cast<lcor_engine>(options.engine);
+    settings.channels = scene.channels;
+    std::copy_n(scene.colour.to_xyz + 3, 3, settings.luminance);
+    settings.max_seconds = options.max_seconds;
+    settings.parallel = threads.parallel();
+    settings.progress = progress.callback();
+    lcor_solution *solution = nullptr;
+    lcor_error error = {};
+    check(lcor_radiosity_solve(scene.scene.get(), &settings, &solution, &error), error, Exit::input,
+          "radiosity");
+    SolutionPointer owner(solution);
+    const lcor_radiosity_report *const report = lcor_solution_report(solution);
+    if (!report->converged)
+        warn("radiosity stopped at an estimated error of %s (rms), %s was asked for",
+             number_text(report->error_rms).c_str(), number_text(options.tolerance).c_str());
+    return owner;
+}
+
+Json report_json(const Scene &scene, const lcor_solution *solution)
+{
+    const lcor_radiosity_report *const report = lcor_solution_report(solution);
+    const char *const engines[] = {"auto", "links", "gather"};
+    return {{"error_rms", report->error_rms},
+            {"error_max", report->error_max},
+            {"energy_defect", report->energy_defect},
+            {"converged", report->converged != 0},
+            {"iterations", report->iterations},
+            {"channels", report->channels},
+            {"engine", engines[report->engine]},
+            {"links", report->links},
+            {"elements", report->elements},
+            {"rays", report->rays},
+            {"bytes", report->bytes},
+            {"seconds", report->seconds},
+            {"models", report->models},
+            {"surfaces", scene.surfaces.size()},
+            {"triangles", scene.triangles},
+            {"triangles_without_area", scene.dropped},
+            {"lights", scene.lights},
+            {"emitters", scene.emitters}};
+}
+
+} // namespace cli

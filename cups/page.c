@@ -1,0 +1,399 @@
+/* SPDX-License-Identifier: MIT */
+#include "page.h"
+
+#include "pipeline.h"
+
+#include <errno.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define SAMPLES_MAX ((size_t)1 << 18) /* of a map, for its mean */
+
+/* What one thread needs of its own. */
+typedef struct hand {
+    illuminance_rows light_rows;
+    float *light;          /* one row */
+    double *r;             /* one row */
+    unsigned char *spread; /* one grey row as RGB */
+    lcor_mean mean;
+    lcor_row_stats stats;
+} hand;
+
+typedef struct page {
+    const filter_job *job;
+    unsigned number;
+    const raster_format *format;
+    raster_reader *reader;
+    raster_writer *writer;
+    lcor_plan_options options;
+    lcor_plan *plan;
+    lcor_plan *band_plans[PIPELINE_SLOTS_MAX]; /* running mean: each band has its own */
+    int spool;                                 /* the page between two passes, or -1 */
+    hand hands[PIPELINE_WORKERS_MAX + 1];      /* the last one is the filling thread's */
+} page;
+
+/* ---- rows ---- */
+
+/* A grey row as three equal samples, 0 = black. */
+static void spread_grey(const raster_format *format, const unsigned char *row, unsigned char *rgb)
+{
+    if (format->type == LCOR_U8) {
+        const unsigned char flip = format->inverted ? 0xff : 0;
+        for (size_t x = 0; x < format->width; x++)
+            rgb[3 * x] = rgb[3 * x + 1] = rgb[3 * x + 2] = row[x] ^ flip;
+    } else {
+        const uint16_t flip = format->inverted ? 0xffff : 0;
+        for (size_t x = 0; x < format->width; x++) {
+            uint16_t v[3];
+            memcpy(v, row + 2 * x, 2);
+            v[0] = v[1] = v[2] = v[0] ^ flip;
+            memcpy(rgb + 6 * x, v, 6);
+        }
+    }
+}
+
+/* Back again: a corrected grey is grey, so its green stands for all. */
+static void gather_grey(const raster_format *format, const unsigned char *rgb, unsigned char *row)
+{
+    if (format->type == LCOR_U8) {
+        const unsigned char flip = format->inverted ? 0xff : 0;
+        for (size_t x = 0; x < format->width; x++)
+            row[x] = rgb[3 * x + 1] ^ flip;
+    } else {
+        const uint16_t flip = format->inverted ? 0xffff : 0;
+        for (size_t x = 0; x < format->width; x++) {
+            uint16_t v;
+            memcpy(&v, rgb + 6 * x + 2, 2);
+            v ^= flip;
+            memcpy(row + 2 * x, &v, 2);
+        }
+    }
+}
+
+/* The light on row y, and the row as the plan wants it; NULL if the map could not be read. */
+static unsigned char *prepare(const page *p, hand *h, size_t y, unsigned char *row)
+{
+    if (!illuminance_row(&h->light_rows, y, 0, 1, h->light)) {
+        filter_say("ERROR", "page %u: the illuminance map cannot be read any more", p->number);
+        return NULL;
+    }
+    if (p->format->samples == 3)
+        return row;
+    spread_grey(p->format, row, h->spread);
+    return h->spread;
+}
+
+static bool measure_rows(const page *p, hand *h, const pipeline_band *band)
+{
+    const raster_format *format = p->format;
+    for (size_t i = 0; i < band->rows; i++) {
+        const unsigned char *texels =
+            prepare(p, h, band->first + i, band->pixels + i * format->row_bytes);
+        if (!texels)
+            return false;
+        lcor_plan_reflectance_row(p->plan, format->width, texels, h->light, NULL, h->r);
+        lcor_mean_add(&h->mean, format->width, h->r, NULL);
+    }
+    return true;
+}
+
+/* ---- what the pipeline calls ---- */
+
+static bool fill_from_raster(void *user, pipeline_band *band)
+{
+    page *p = user;
+    const unsigned size = (unsigned)(band->rows * p->format->row_bytes);
+    if (cupsRasterReadPixels(p->reader->raster, band->pixels, size) == size)
+        return true;
+    filter_say("ERROR", "page %u: the raster ends or is damaged within rows %zu to %zu of %zu",
+               p->number, band->first + 1, band->first + band->rows, p->format->height);
+    return false;
+}
+
+/* All of a band to or from the spool file. */
+static bool through_spool(page *p, const pipeline_band *band, bool out)
+{
+    const size_t size = band->rows * p->format->row_bytes;
+    const off_t at = (off_t)band->first * (off_t)p->format->row_bytes;
+    for (size_t done = 0; done < size;) {
+        unsigned char *bytes = band->pixels + done;
+        const ssize_t n = out ? pwrite(p->spool, bytes, size - done, at + (off_t)done)
+                              : pread(p->spool, bytes, size - done, at + (off_t)done);
+        if (n <= 0 && !(n < 0 && errno == EINTR)) {
+            filter_say("ERROR", "page %u: the temporary file cannot be %s: %s", p->number,
+                       out ? "written" : "read", n < 0 ? strerror(errno) : "it is too short");
+            return false;
+        }
+        done += n > 0 ? (size_t)n : 0;
+    }
+    return true;
+}
+
+static bool fill_from_spool(void *user, pipeline_band *band)
+{
+    return through_spool(user, band, false);
+}
+
+static bool empty_to_spool(void *user, pipeline_band *band)
+{
+    return through_spool(user, band, true);
+}
+
+static bool empty_to_raster(void *user, pipeline_band *band)
+{
+    page *p = user;
+    const unsigned size = (unsigned)(band->rows * p->format->row_bytes);
+    if (cupsRasterWritePixels(p->writer->raster, band->pixels, size) == size)
+        return true;
+    filter_say("ERROR", "page %u: the output cannot be written: %s", p->number, strerror(errno));
+    return false;
+}
+
+static bool new_plan(page *p, lcor_plan **plan)
+{
+    lcor_error error;
+    lcor_plan_free(*plan);
+    *plan = NULL;
+    if (lcor_plan_new(&p->options, plan, &error) == LCOR_OK)
+        return true;
+    filter_say("ERROR", "page %u: %s", p->number, error.text);
+    return false;
+}
+
+static bool take_mean(page *p, const lcor_mean *mean)
+{
+    lcor_error error;
+    if (lcor_mean_get(mean, p->job->mean_method, &p->options.r_mean, &error) == LCOR_OK)
+        return true;
+    filter_say("ERROR", "page %u: no mean of r: %s", p->number, error.text);
+    return false;
+}
+
+/* One pass: the mean of what has been seen so far. */
+static bool fill_and_adapt(void *user, pipeline_band *band)
+{
+    page *p = user;
+    hand *h = &p->hands[PIPELINE_WORKERS_MAX];
+    return fill_from_raster(p, band) && measure_rows(p, h, band) && take_mean(p, &h->mean) &&
+           new_plan(p, &p->band_plans[band->slot]);
+}
+
+static bool work_measure(void *user, size_t worker, pipeline_band *band)
+{
+    page *p = user;
+    return measure_rows(p, &p->hands[worker], band);
+}
+
+static bool work_correct(void *user, size_t worker, pipeline_band *band)
+{
+    page *p = user;
+    hand *h = &p->hands[worker];
+    const raster_format *format = p->format;
+    const lcor_plan *plan = p->band_plans[band->slot] ? p->band_plans[band->slot] : p->plan;
+    for (size_t i = 0; i < band->rows; i++) {
+        const size_t y = band->first + i;
+        unsigned char *row = band->pixels + i * format->row_bytes;
+        unsigned char *texels = prepare(p, h, y, row);
+        if (!texels)
+            return false;
+        lcor_correct_row(plan, y, format->width, texels, h->light, NULL, texels, &h->stats);
+        if (texels != row)
+            gather_grey(format, texels, row);
+    }
+    return true;
+}
+
+static bool work_nothing(void *user, size_t worker, pipeline_band *band)
+{
+    (void)user, (void)worker, (void)band;
+    return true;
+}
+
+/* ---- the page ---- */
+
+static bool run(page *p, bool (*fill)(void *, pipeline_band *),
+                bool (*work)(void *, size_t, pipeline_band *),
+                bool (*empty)(void *, pipeline_band *))
+{
+    const pipeline line = {p->format->height, p->format->row_bytes, fill, work, empty, p};
+    bool no_memory;
+    const bool good = pipeline_run(&line, &no_memory);
+    if (no_memory)
+        filter_say("ERROR", "page %u: no memory for %zu bytes a row, or no threads", p->number,
+                   p->format->row_bytes);
+    return good;
+}
+
+/* Patch reading: r is the map times a constant, so the pixels play no part and a grid of the map
+ * gives its mean before the page is read. */
+static bool mean_of_map(page *p)
+{
+    const raster_format *format = p->format;
+    hand *h = &p->hands[0];
+    size_t step = 1;
+    if (p->job->map.width == 0) {
+        p->options.r_mean = p->job->rho;
+        return true;
+    }
+    while ((format->width / step + 1) * (format->height / step + 1) > SAMPLES_MAX)
+        step++;
+    const size_t x0 = step / 2 < format->width ? step / 2 : 0;
+    const size_t y0 = step / 2 < format->height ? step / 2 : 0;
+    const size_t columns = (format->width - x0 - 1) / step + 1;
+    for (size_t y = y0; y < format->height; y += step) {
+        if (!illuminance_row(&h->light_rows, y, x0, step, h->light)) {
+            filter_say("ERROR", "page %u: the illuminance map cannot be read", p->number);
+            return false;
+        }
+        lcor_plan_reflectance_row(p->plan, columns, NULL, h->light, NULL, h->r);
+        lcor_mean_add(&h->mean, columns, h->r, NULL);
+    }
+    return take_mean(p, &h->mean);
+}
+
+/* Texel reading: the pixels decide, so the page is read to its end and kept in a file. */
+static bool mean_of_pixels(page *p)
+{
+    char path[1024];
+    const char *folder = getenv("TMPDIR");
+    snprintf(path, sizeof path, "%s/rastertolcorXXXXXX", folder ? folder : "/tmp");
+    p->spool = mkstemp(path);
+    if (p->spool < 0) {
+        filter_say("ERROR", "page %u: no temporary file in %s: %s", p->number,
+                   folder ? folder : "/tmp", strerror(errno));
+        return false;
+    }
+    unlink(path); /* gone with this process, however it ends */
+    if (!run(p, fill_from_raster, work_measure, empty_to_spool))
+        return false;
+    for (size_t i = 1; i < PIPELINE_WORKERS_MAX; i++)
+        if (lcor_mean_merge(&p->hands[0].mean, &p->hands[i].mean, NULL) != LCOR_OK)
+            return false;
+    return take_mean(p, &p->hands[0].mean);
+}
+
+static bool make_hands(page *p)
+{
+    const size_t width = p->format->width;
+    for (size_t i = 0; i <= PIPELINE_WORKERS_MAX; i++) {
+        hand *h = &p->hands[i];
+        lcor_mean_init(&h->mean);
+        if (i >= pipeline_workers() && i < PIPELINE_WORKERS_MAX)
+            continue;
+        h->light = malloc(width * sizeof *h->light);
+        h->r = malloc(width * sizeof *h->r);
+        h->spread = p->format->samples == 1 ? malloc(width * 6) : NULL;
+        if (!h->light || !h->r || (p->format->samples == 1 && !h->spread) ||
+            !illuminance_rows_open(&h->light_rows, &p->job->map, width, p->format->height)) {
+            filter_say("ERROR", "page %u: no memory for rows of %zu pixels", p->number, width);
+            return false;
+        }
+    }
+    return true;
+}
+
+static void close_page(page *p)
+{
+    for (size_t i = 0; i <= PIPELINE_WORKERS_MAX; i++) {
+        free(p->hands[i].light);
+        free(p->hands[i].r);
+        free(p->hands[i].spread);
+        illuminance_rows_close(&p->hands[i].light_rows);
+    }
+    for (size_t i = 0; i < PIPELINE_SLOTS_MAX; i++)
+        lcor_plan_free(p->band_plans[i]);
+    lcor_plan_free(p->plan);
+    if (p->spool >= 0)
+        close(p->spool);
+    free(p);
+}
+
+static void set_options(page *p)
+{
+    const filter_job *job = p->job;
+    lcor_plan_options *o = &p->options;
+    o->struct_size = sizeof *o;
+    o->contrast = job->contrast;
+    o->r_mean = job->r_mean;
+    o->rho = job->rho;
+    o->exponent = job->exponent;
+    o->reading = job->reading;
+    o->gamut = job->gamut;
+    o->colour = &p->format->colour;
+    o->in_type = o->out_type = p->format->type;
+    o->map_type = LCOR_F32;
+    o->in_layout = o->out_layout = p->format->layout;
+    o->tone_curve = job->tone_curve;
+    o->tone_size = job->tone_size;
+}
+
+static void report(const page *p)
+{
+    lcor_row_stats sum = {0};
+    for (size_t i = 0; i < PIPELINE_WORKERS_MAX; i++) {
+        const lcor_row_stats *s = &p->hands[i].stats;
+        sum.pixels += s->pixels;
+        sum.clipped_low += s->clipped_low;
+        sum.clipped_high += s->clipped_high;
+        sum.out_of_gamut += s->out_of_gamut;
+        sum.non_finite += s->non_finite;
+    }
+    filter_say("DEBUG",
+               "page %u: r_mean %.9g, contrast %.4g; of %llu pixels %llu too dark and %llu too "
+               "light for the device, %llu outside its gamut",
+               p->number, p->options.r_mean, p->options.contrast, (unsigned long long)sum.pixels,
+               (unsigned long long)sum.clipped_low, (unsigned long long)sum.clipped_high,
+               (unsigned long long)sum.out_of_gamut);
+    if (sum.non_finite > 0)
+        filter_say("WARNING", "page %u: the illuminance map is negative or no number under %llu "
+                              "pixels, which are black",
+                   p->number, (unsigned long long)sum.non_finite);
+}
+
+bool page_correct(const filter_job *job, unsigned number, const raster_format *format,
+                  raster_reader *reader, raster_writer *writer)
+{
+    page *p = calloc(1, sizeof *p);
+    if (!p) {
+        filter_say("ERROR", "page %u: no memory", number);
+        return false;
+    }
+    *p = (page){.job = job, .number = number, .format = format, .reader = reader,
+                .writer = writer, .spool = -1};
+    set_options(p);
+    const bool of_pixels = job->reading == LCOR_READING_TEXEL && !job->r_mean_given;
+    const bool running = of_pixels && !job->two_passes;
+    const bool spooled = of_pixels && job->two_passes;
+    bool good = make_hands(p) && new_plan(p, &p->plan);
+    if (good && spooled)
+        good = mean_of_pixels(p);
+    else if (good && !running && !job->r_mean_given)
+        good = mean_of_map(p);
+    good = good && new_plan(p, &p->plan) &&
+           run(p, running ? fill_and_adapt : spooled ? fill_from_spool : fill_from_raster,
+               work_correct, empty_to_raster);
+    if (good)
+        report(p);
+    close_page(p);
+    return good;
+}
+
+bool page_copy(unsigned number, const cups_page_header2_t *header, raster_reader *reader,
+               raster_writer *writer)
+{
+    const raster_format format = {.height = header->cupsHeight,
+                                  .row_bytes = header->cupsBytesPerLine};
+    page *p = calloc(1, sizeof *p);
+    if (!p) {
+        filter_say("ERROR", "page %u: no memory", number);
+        return false;
+    }
+    *p = (page){.number = number, .format = &format, .reader = reader, .writer = writer,
+                .spool = -1};
+    const bool good = run(p, fill_from_raster, work_nothing, empty_to_raster);
+    close_page(p);
+    return good;
+}

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT */
+/* Faces: one side of a piece of a surface, the roots of the element trees. */
+#ifndef LCOR_RADIOSITY_FACE_H
+#define LCOR_RADIOSITY_FACE_H
+
+#include "scene/scene_internal.h"
+
+/* A parallelogram X(s, t) = origin + s u + t v, or a triangle in collapsed coordinates
+ * X(s, t) = origin + s u + s t (v - u), both over the unit square: splitting the square splits
+ * either, and polynomials in (s, t) nest. */
+typedef struct face {
+    double   origin[3], u[3], v[3], normal[3];
+    double   dual_u[3], dual_v[3]; /* affine coordinates of x: (x - origin) . dual */
+    double   jacobian;             /* |u x v| */
+    int      triangle;
+    uint32_t surface;
+    int      back;       /* 1: the side away from the surface's normal */
+    double   finest;     /* elements are not split below this edge length */
+    int      one_to_one; /* parallelogram that is its whole surface: same (s, t) */
+    int32_t  root;       /* element */
+} face;
+
+typedef struct cell { /* a rectangle of a face's square */
+    double s0, t0, hs, ht;
+} cell;
+
+/* Appends the faces of every surface: cut along lines where other surfaces touch or cross it,
+ * since irradiance jumps there. Returns 0 if there is no memory. `first` gets, for surface i and
+ * side b, the first face at 2 i + b, and a last entry. */
+int face_build(const lcor_scene *scene, const lcor_allocator *allocator, lcor_array *faces,
+               size_t *first);
+
+void   face_point(const face *f, double s, double t, double out[3]);
+void   face_coordinates(const face *f, const double x[3], double *s, double *t);
+double face_cell_area(const face *f, const cell *c);
+/* Four corners in order around the cell; at a triangle's tip two are equal. */
+void face_cell_corners(const face *f, const cell *c, double corners[4][3]);
+
+#endif

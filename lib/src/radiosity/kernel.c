@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: MIT */
+/* Coefficients of links, and the light that the sources send. */
+#include "base/internal.h"
+#include "geometry/vec.h"
+#include "radiosity/links.h"
+#include "radiosity/transfer.h"
+
+#include <string.h>
+
+enum { CHUNK = 16 };
+
+/* Relative accuracy of the light an element gets: its moments are exact sources. */
+static const double light_accuracy = 1e-6;
+
+void links_run(const links *l, size_t n, void (*task)(void *arg, size_t i), void *arg)
+{
+    if (l->parallel.run && n > 1)
+        l->parallel.run(l->parallel.user, n, task, arg);
+    else
+        for (size_t i = 0; i < n; i++)
+            task(arg, i);
+}
+
+static void fill_link(const links *l, const links_link *link)
+{
+    const links_element *r = links_at(l, link->receiver), *s = links_at(l, link->sender);
+    const face          *fr = links_face_of(l, r), *fs = links_face_of(l, s);
+    links_block         *block = (links_block *)l->blocks.items + link->block;
+    double               x[3];
+    transfer             t = {l->scene, x,    fr->normal, NULL, NULL, link->occluder_count,
+                              l->accuracy};
+
+    t.occluders = (const uint32_t *)l->occluders.items + link->first_occluder;
+    for (int i = 0; i < RULE_Q; i++) {
+        double weights[RULE_Q];
+
+        face_point(fr, r->c.s0 + rule_x[i / RULE_P] * r->c.hs,
+                   r->c.t0 + rule_x[i % RULE_P] * r->c.ht, x);
+        block->rest[i] = transfer_weights(&t, fs, &s->c, weights);
+        for (int k = 0; k < RULE_Q; k++) {
+            block->k[i][k] = (float)weights[k];
+            block->rest[i] -= (double)block->k[i][k];
+        }
+    }
+}
+
+typedef struct fill_job {
+    const links *l;
+    size_t       first_new; /* blocks from here on are empty */
+} fill_job;
+
+static void fill_task(void *arg, size_t chunk)
+{
+    const fill_job *job = arg;
+    const size_t    end = (chunk + 1) * CHUNK;
+
+    for (size_t i = chunk * CHUNK; i < end && i < job->l->list.count; i++) {
+        const links_link *link = (const links_link *)job->l->list.items + i;
+
+        if (link->block >= job->first_new)
+            fill_link(job->l, link);
+    }
+}
+
+/* Stable sort by receiver, with counters in the scratch array. */
+static int sort_links(links *l)
+{
+    const size_t n = l->elements.count;
+    lcor_array   sorted = {0};
+    uint32_t    *start;
+    links_link  *out;
+
+    l->scratch.count = 0;
+    start = lcor_array_reserve(&l->allocator, &l->scratch, n + 1, sizeof *start);
+    out = lcor_array_reserve(&l->allocator, &sorted, l->list.count, sizeof *out);
+    if (!start || !out) {
+        lcor_array_clear(&l->allocator, &sorted);
+        return 0;
+    }
+    memset(start, 0, (n + 1) * sizeof *start);
+    for (size_t i = 0; i < l->list.count; i++)
+        start[((links_link *)l->list.items)[i].receiver + 1]++;
+    for (size_t i = 0; i < n; i++)
+        start[i + 1] += start[i];
+    for (size_t i = 0; i < l->list.count; i++) {
+        const links_link *link = (links_link *)l->list.items + i;
+
+        out[start[link->receiver]++] = *link;
+    }
+    sorted.count = l->list.count;
+    lcor_array_clear(&l->allocator, &l->list);
+    l->list = sorted;
+    return 1;
+}
+
+/* Moves the blocks still in use to the front, so that dropped links cost nothing. */
+static void compact_blocks(links *l)
+{
+    links_block *blocks = l->blocks.items;
+    uint32_t    *owner = l->scratch.items;
+    size_t       kept = 0;
+
+    memset(owner, 0xff, l->blocks.count * sizeof *owner);
+    for (size_t i = 0; i < l->list.count; i++) {
+        const links_link *link = (links_link *)l->list.items + i;
+
+        if (link->block != links_no_block)
+            owner[link->block] = (uint32_t)i;
+    }
+    for (size_t b = 0; b < l->blocks.count; b++)
+        if (owner[b] != links_no_block) {
+            if (kept != b)
+                blocks[kept] = blocks[b];
+            ((links_link *)l->list.items)[owner[b]].block = (uint32_t)kept++;
+        }
+    l->blocks.count = kept;
+}
+
+int links_fill(links *l)
+{
+    fill_job job = {l, 0};
+    size_t   missing;
+
+    if (!sort_links(l))
+        return 0;
+    l->scratch.count = 0;
+    if (!lcor_array_reserve(&l->allocator, &l->scratch, l->blocks.count, sizeof(uint32_t)))
+        return 0;
+    compact_blocks(l);
+    missing = l->list.count - l->blocks.count;
+    if (!lcor_array_reserve(&l->allocator, &l->blocks, missing, sizeof(links_block)))
+        return 0;
+    job.first_new = l->blocks.count;
+    for (size_t i = 0; i < l->list.count; i++) {
+        links_link *link = (links_link *)l->list.items + i;
+
+        if (link->block == links_no_block)
+            link->block = (uint32_t)l->blocks.count++;
+    }
+    links_run(l, (l->list.count + CHUNK - 1) / CHUNK, fill_task, &job);
+    return 1;
+}
+
+/* Radiosity that a leaf has before any interreflection: emission, and the reflected direct light
+ * by its moments, which stay right where shadows cut the element. */
+static void leaf_source(const links *l, size_t element)
+{
+    const links_element *e = links_at(l, element);
+    const face          *f = links_face_of(l, e);
+    const lcor_surface  *look = &scene_surface_at(l->scene, f->surface)->look;
+    const size_t         lights = l->scene->lights.count;
+    double              *out = links_values(l, &l->source, element);
+    double               area[RULE_Q], weights[RULE_Q];
+
+    links_node_areas(l, e, area);
+    for (int c = 0; c < l->channels; c++)
+        for (int k = 0; k < RULE_Q; k++)
+            out[c * RULE_Q + k] = light_channel(l->lights, look->emission, c);
+    for (size_t i = 0; i < lights; i++) {
+        const links_shadow *shadow = &l->shadows[e->face * lights + i];
+        transfer            t = {l->scene, NULL, NULL, scene_light_at(l->scene, i), NULL,
+                                 shadow->count, light_accuracy};
+
+        if (shadow->dark)
+            continue;
+        t.occluders = (const uint32_t *)l->occluders.items + shadow->first;
+        (void)transfer_weights(&t, f, &e->c, weights);
+        for (int c = 0; c < l->channels; c++) {
+            const double power = light_channel(l->lights, t.light->intensity, c) *
+                                 light_channel(l->lights, look->reflectance, c);
+
+            for (int k = 0; k < RULE_Q; k++)
+                out[c * RULE_Q + k] += power * weights[k] / area[k];
+        }
+    }
+}
+
+static void source_task(void *arg, size_t chunk)
+{
+    const links *l = arg;
+
+    for (size_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < l->elements.count; i++)
+        if (links_at(l, i)->child < 0)
+            leaf_source(l, i);
+}
+
+void links_set_source(links *l)
+{
+    links_run(l, (l->elements.count + CHUNK - 1) / CHUNK, source_task, l);
+}
+
+void links_node_areas(const links *l, const links_element *e, double area[RULE_Q])
+{
+    const face *f = links_face_of(l, e);
+
+    for (int a = 0; a < RULE_P; a++) {
+        const double s = f->triangle ? e->c.s0 + rule_x[a] * e->c.hs : 1;
+
+        for (int b = 0; b < RULE_P; b++)
+            area[a * RULE_P + b] =
+                f->jacobian * e->c.hs * e->c.ht * s * rule_w[a] * rule_w[b];
+    }
+}

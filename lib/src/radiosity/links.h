@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: MIT */
+/* Engine `links`: hierarchical radiosity of order RULE_P. docs/RADIOSITY.md tells how it works. */
+#ifndef LCOR_RADIOSITY_LINKS_H
+#define LCOR_RADIOSITY_LINKS_H
+
+#include "radiosity/direct.h"
+#include "radiosity/face.h"
+#include "radiosity/occluders.h"
+#include "radiosity/rule.h"
+
+#include <lcor/radiosity.h>
+
+/* A node of a face's binary tree. Values at its nodes lie in links.irradiance and .radiosity. */
+typedef struct links_element {
+    uint32_t face;
+    int32_t  child; /* the first of two, or -1 */
+    int      axis;  /* along which it was split */
+    int      leaf;  /* number among the leaves, or -1 */
+    cell     c;
+    double   area, low[3], high[3], centre[3];
+    double   direct_min, direct_max; /* of irradiance straight from the lights */
+    double   rough; /* error of interpolating it */
+    double   rho;   /* mean of the channels */
+    double   e_min, b_max; /* of the solution so far; guesses before the first */
+} links_element;
+
+/* Irradiance of `receiver` due to `sender`. `block` is its place among the coefficients. */
+typedef struct links_link {
+    uint32_t receiver, sender;
+    uint32_t first_occluder, occluder_count; /* in links.occluders */
+    uint32_t block;
+} links_link;
+
+static const uint32_t links_no_block = UINT32_MAX;
+
+/* What may hide a light from a face: `count` surfaces in links.occluders, or all of it is dark. */
+typedef struct links_shadow {
+    uint32_t first, count;
+    int      dark;
+} links_shadow;
+
+/* E[i] += sum_k k[i][k] B[k] + rest[i] mean(B): floats for the bulk, and what their rounding
+ * leaves of the exact form factor in double, so that constants are transferred exactly. */
+typedef struct links_block {
+    float  k[RULE_Q][RULE_Q];
+    double rest[RULE_Q]; /* before the row is computed: the exact factor, or -1 if unknown */
+} links_block;
+
+typedef struct links {
+    const lcor_scene   *scene;
+    lcor_allocator      allocator;
+    lcor_parallel       parallel;
+    const light_set    *lights;
+    int                 channels;
+    links_shadow       *shadows; /* of face f and light i at f * lights + i */
+    lcor_array          faces;      /* face */
+    size_t             *first_face; /* per surface and side */
+    lcor_array          elements;   /* links_element */
+    lcor_array          list;       /* links_link, by receiver once built */
+    lcor_array          blocks;     /* links_block */
+    lcor_array          occluders;  /* uint32_t */
+    lcor_array          scratch;    /* uint32_t, used as a stack while refining */
+    lcor_array          irradiance, radiosity, source; /* double[RULE_Q * channels] an element */
+    lcor_array          krylov;
+    size_t              leaf_count;
+    double              eps;      /* error a link may make, relative to its receiver */
+    double              accuracy; /* of near-field weights, a form factor */
+    double              ambient, floor; /* mean indirect irradiance; least E errors refer to */
+    double              contraction;
+    int                 iterations;
+    uint64_t            peak_bytes;
+} links;
+
+static inline links_element *links_at(const links *l, size_t i)
+{
+    return (links_element *)l->elements.items + i;
+}
+
+static inline face *links_face_of(const links *l, const links_element *e)
+{
+    return (face *)l->faces.items + e->face;
+}
+
+static inline double *links_values(const links *l, const lcor_array *a, size_t element)
+{
+    return (double *)a->items + element * (size_t)(RULE_Q * l->channels);
+}
+
+/* tree.c. Functions that return int return 0 when there is no memory. */
+int  links_init(links *l); /* faces and their root elements; the caller fills the head */
+void links_clear(links *l);
+int  links_relight(links *l); /* after lights or looks changed */
+int  links_split(links *l, size_t element, int axis);
+int  links_may_split(const links *l, const links_element *e, int axis);
+void links_look_at_light(links *l, links_element *e); /* direct_*, rough */
+void links_region(const links *l, const links_element *e, region *out);
+/* Leaf at (s, t) of the face, and the place within it. */
+size_t links_leaf_at(const links *l, const face *f, double s, double t, double *u, double *v);
+
+/* refine.c: the first time every pair of faces, then every link that is too coarse for eps. */
+int links_refine(links *l);
+
+/* kernel.c: coefficients of links that have none; sorts links by receiver. */
+int links_fill(links *l);
+
+/* solve.c */
+int    links_solve(links *l, double tolerance, int max_iterations);
+double links_energy_defect(links *l);
+
+/* tight.c */
+/* Indirect irradiance at x as the solution's radiosity gives it by one tight gathering;
+ * `at` is the surface x lies on. channels values. */
+void links_gather(const links *l, const double x[3], const double normal[3], uint32_t at,
+                  double accuracy, double *out);
+
+#endif

@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: MIT */
+#include "radiosity/occluders.h"
+
+#include "geometry/vec.h"
+
+#include <math.h>
+
+enum { PLANES_MAX = 48 };
+
+/* Convex hull of what light may cross, as planes with outward normals; not all of them are needed
+ * to be right, since a surface is only dropped when one plane has it outside. */
+typedef struct shaft {
+    int    count;
+    double point[PLANES_MAX][3], outward[PLANES_MAX][3];
+} shaft;
+
+static void add_plane(shaft *s, const double point[3], const double normal[3], double sign)
+{
+    if (s->count == PLANES_MAX)
+        return;
+    for (int k = 0; k < 3; k++) {
+        s->point[s->count][k] = point[k];
+        s->outward[s->count][k] = sign * normal[k];
+    }
+    s->count++;
+}
+
+/* Side on which four points lie: +1, -1, 0 if on both; points within touch lie on either. */
+static int side_of(const double (*p)[3], const double point[3], const double normal[3],
+                   double touch)
+{
+    double lowest = 0, highest = 0;
+
+    for (int i = 0; i < 4; i++) {
+        double d[3], h;
+
+        vec_sub(p[i], point, d);
+        h = vec_dot(d, normal);
+        lowest = fmin(lowest, h);
+        highest = fmax(highest, h);
+    }
+    if (lowest < -touch)
+        return highest > touch ? 0 : -1;
+    return 1;
+}
+
+/* Planes through edges of a and corners of b that have both on one side. */
+static void add_edge_planes(shaft *s, const region *a, const region *b, double touch)
+{
+    for (int i = 0; i < 4; i++) {
+        const double *p = a->corners[i], *q = a->corners[(i + 1) % 4];
+        double        edge[3];
+
+        vec_sub(q, p, edge);
+        for (int j = 0; j < 4; j++) {
+            double d[3], normal[3];
+            int    mine, other;
+
+            vec_sub(b->corners[j], p, d);
+            vec_cross(edge, d, normal);
+            if (!(vec_normalize(normal) > 0))
+                continue;
+            mine = side_of((const double(*)[3])a->corners, p, normal, touch);
+            other = side_of((const double(*)[3])b->corners, p, normal, touch);
+            if (mine != 0 && mine == other)
+                add_plane(s, p, normal, -mine);
+        }
+    }
+}
+
+static void add_box(shaft *s, const region *a, const region *b)
+{
+    for (int k = 0; k < 3; k++) {
+        double lo[3], hi[3], axis[3] = {0, 0, 0};
+
+        axis[k] = 1;
+        vec_copy(a->corners[0], lo);
+        vec_copy(lo, hi);
+        for (int i = 0; i < 4; i++) {
+            lo[k] = fmin(lo[k], fmin(a->corners[i][k], b->corners[i][k]));
+            hi[k] = fmax(hi[k], fmax(a->corners[i][k], b->corners[i][k]));
+        }
+        add_plane(s, lo, axis, -1);
+        add_plane(s, hi, axis, 1);
+    }
+}
+
+static int outside(const shaft *s, const double *corners, size_t n, double touch)
+{
+    for (int i = 0; i < s->count; i++) {
+        int out = 1;
+
+        for (size_t j = 0; j < n && out; j++) {
+            double d[3];
+
+            vec_sub(corners + 3 * j, s->point[i], d);
+            out = vec_dot(d, s->outward[i]) >= -touch;
+        }
+        if (out)
+            return 1;
+    }
+    return 0;
+}
+
+/* Whether segment p-q crosses the polygon, which is convex. */
+static int crosses(const scene_surface *o, const double *corners, const double p[3],
+                   const double q[3], double touch)
+{
+    double d[3], hp, hq, at[3];
+
+    vec_sub(p, o->origin, d);
+    hp = vec_dot(d, o->normal);
+    vec_sub(q, o->origin, d);
+    hq = vec_dot(d, o->normal);
+    if (!((hp > touch && hq < -touch) || (hp < -touch && hq > touch)))
+        return 0;
+    for (int k = 0; k < 3; k++)
+        at[k] = p[k] + hp / (hp - hq) * (q[k] - p[k]);
+    for (size_t i = 0; i < o->corner_count; i++) {
+        const double *a = corners + 3 * i, *b = corners + 3 * ((i + 1) % o->corner_count);
+        double        edge[3], inward[3];
+
+        vec_sub(b, a, edge);
+        vec_cross(o->normal, edge, inward);
+        vec_sub(at, a, d);
+        if (vec_dot(d, inward) < 0)
+            return 0;
+    }
+    return 1;
+}
+
+/* One polygon crossing all sixteen segments between corners crosses every segment. */
+static int blocks(const scene_surface *o, const double *corners, const region *a, const region *b,
+                  double touch)
+{
+    for (int i = 0; i < 16; i++)
+        if (!crosses(o, corners, a->corners[i / 4], b->corners[i % 4], touch))
+            return 0;
+    return 1;
+}
+
+long occluders_between(const lcor_scene *scene, const region *a, const region *b,
+                       const uint32_t *in, size_t count, uint32_t *out)
+{
+    const double touch = SCENE_TOUCH * scene->diameter;
+    shaft        s = {0};
+    long         kept = 0;
+
+    add_plane(&s, a->corners[0], a->normal, -1);
+    add_plane(&s, b->corners[0], b->normal, -1);
+    add_box(&s, a, b);
+    add_edge_planes(&s, a, b, touch);
+    add_edge_planes(&s, b, a, touch);
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t       id = in ? in[i] : (uint32_t)i;
+        const scene_surface *o = scene_surface_at(scene, id);
+        const double        *corners = scene_corners(scene, o);
+
+        if (outside(&s, corners, o->corner_count, touch))
+            continue;
+        if (blocks(o, corners, a, b, touch))
+            return OCCLUDERS_BLOCK;
+        out[kept++] = id;
+    }
+    return kept;
+}
+
+static int light_blocks(const scene_surface *o, const double *corners, const lcor_light *light,
+                        const region *a, double far, double touch)
+{
+    for (int i = 0; i < 4; i++) {
+        double eye[3];
+
+        if (light->kind == LCOR_LIGHT_DIRECTIONAL)
+            vec_add_scaled(a->corners[i], -far, light->direction, eye);
+        else
+            vec_copy(light->position, eye);
+        if (!crosses(o, corners, a->corners[i], eye, touch))
+            return 0;
+    }
+    return 1;
+}
+
+long occluders_of_light(const lcor_scene *scene, const lcor_light *light, const region *a,
+                        const uint32_t *in, size_t count, uint32_t *out)
+{
+    const double touch = SCENE_TOUCH * scene->diameter;
+    const int    parallel = light->kind == LCOR_LIGHT_DIRECTIONAL;
+    shaft        s = {0};
+    long         kept = 0;
+    double       middle[3] = {0, 0, 0};
+
+    for (int i = 0; i < 4; i++)
+        vec_add_scaled(middle, 0.25, a->corners[i], middle);
+    add_plane(&s, a->corners[0], a->normal, -1);
+    if (!parallel)
+        add_plane(&s, light->position, a->normal, 1);
+    for (int i = 0; i < 4; i++) {
+        double edge[3], towards[3], normal[3], d[3];
+
+        vec_sub(a->corners[(i + 1) % 4], a->corners[i], edge);
+        if (parallel)
+            vec_copy(light->direction, towards);
+        else
+            vec_sub(light->position, a->corners[i], towards);
+        vec_cross(edge, towards, normal);
+        if (!(vec_normalize(normal) > 0))
+            continue;
+        vec_sub(middle, a->corners[i], d);
+        add_plane(&s, a->corners[i], normal, vec_dot(d, normal) > 0 ? -1 : 1);
+    }
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t       id = in ? in[i] : (uint32_t)i;
+        const scene_surface *o = scene_surface_at(scene, id);
+        const double        *corners = scene_corners(scene, o);
+
+        if (outside(&s, corners, o->corner_count, touch))
+            continue;
+        if (light_blocks(o, corners, light, a, 4 * scene->diameter, touch))
+            return OCCLUDERS_BLOCK;
+        out[kept++] = id;
+    }
+    return kept;
+}

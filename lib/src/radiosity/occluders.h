@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/* Which surfaces may stand between two elements, or between a light and an element. */
+#ifndef LCOR_RADIOSITY_OCCLUDERS_H
+#define LCOR_RADIOSITY_OCCLUDERS_H
+
+#include "scene/scene_internal.h"
+
+typedef struct region { /* a cell of a face as four corners and its normal */
+    double corners[4][3], normal[3];
+} region;
+
+enum { OCCLUDERS_BLOCK = -1 };
+
+/* Filters `in` (NULL: all surfaces, count of them) to what may stand between a and b, which face
+ * each other; `out` has room for `count`. Returns how many, or OCCLUDERS_BLOCK if one of them
+ * hides all of b from all of a. */
+long occluders_between(const lcor_scene *scene, const region *a, const region *b,
+                       const uint32_t *in, size_t count, uint32_t *out);
+
+/* The same between a light and a. */
+long occluders_of_light(const lcor_scene *scene, const lcor_light *light, const region *a,
+                        const uint32_t *in, size_t count, uint32_t *out);
+
+#endif

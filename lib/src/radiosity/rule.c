@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT */
+#include "radiosity/rule.h"
+
+const double rule_x[RULE_P] = {0.06943184420297371239, 0.33000947820757186760,
+                               0.66999052179242813240, 0.93056815579702628761};
+const double rule_w[RULE_P] = {0.17392742256872692869, 0.32607257743127307131,
+                               0.32607257743127307131, 0.17392742256872692869};
+
+const double rule_half[2][RULE_P][RULE_P] = {
+    {{1.24706002059021446916, -0.3713464629329096705, 0.17261231228231495598, -0.0483258699396197546},
+     {0.47336076207371348124, 0.69446086758875954879, -0.2269159612062269743, 0.05909433154375394426},
+     {-0.0073814630032159984, 0.99585142579386540218, 0.01482140011742123726, -0.0032913629080706410},
+     {-0.0956095946480186732, 0.70865608285499706932, 0.46829580008941685915,
+      -0.0813422882963952552}},
+    {{-0.0813422882963952552, 0.46829580008941685915, 0.70865608285499706932,
+      -0.0956095946480186732},
+     {-0.0032913629080706410, 0.01482140011742123726, 0.99585142579386540218, -0.0073814630032159984},
+     {0.05909433154375394426, -0.2269159612062269743, 0.69446086758875954879, 0.47336076207371348124},
+     {-0.0483258699396197546, 0.17261231228231495598, -0.3713464629329096705,
+      1.24706002059021446916}}};
+
+/* 1 / product of (x_a - x_j) over j != a */
+static const double scale[RULE_P] = {-7.4205400680389461052, 18.7954494075550608112,
+                                     -18.795449407555060811, 7.42054006803894610520};
+
+void rule_values(double x, double values[RULE_P])
+{
+    const double d[RULE_P] = {x - rule_x[0], x - rule_x[1], x - rule_x[2], x - rule_x[3]};
+
+    values[0] = scale[0] * d[1] * d[2] * d[3];
+    values[1] = scale[1] * d[0] * d[2] * d[3];
+    values[2] = scale[2] * d[0] * d[1] * d[3];
+    values[3] = scale[3] * d[0] * d[1] * d[2];
+}
+
+void rule_push(int axis, int c, const double *whole, double *half)
+{
+    for (int g = 0; g < RULE_P; g++)
+        for (int a = 0; a < RULE_P; a++) {
+            const double p = rule_half[c][g][a];
+
+            for (int b = 0; b < RULE_P; b++)
+                if (axis == 0)
+                    half[g * RULE_P + b] += p * whole[a * RULE_P + b];
+                else
+                    half[b * RULE_P + g] += p * whole[b * RULE_P + a];
+        }
+}
+
+void rule_fold(int axis, int c, const double *half, double *whole)
+{
+    for (int g = 0; g < RULE_P; g++)
+        for (int a = 0; a < RULE_P; a++) {
+            const double p = rule_half[c][g][a];
+
+            for (int b = 0; b < RULE_P; b++)
+                if (axis == 0)
+                    whole[a * RULE_P + b] += p * half[g * RULE_P + b];
+                else
+                    whole[b * RULE_P + a] += p * half[b * RULE_P + g];
+        }
+}
+
+double rule_interpolate(const double *f, const double at_s[RULE_P], const double at_t[RULE_P])
+{
+    double sum = 0;
+
+    for (int a = 0; a < RULE_P; a++) {
+        double row = 0;
+
+        for (int b = 0; b < RULE_P; b++)
+            row += at_t[b] * f[a * RULE_P + b];
+        sum += at_s[a] * row;
+    }
+    return sum;
+}
