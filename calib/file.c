@@ -44,8 +44,8 @@ static bool write_all(int fd, const char *bytes, size_t size)
  * file systems) are no failure: the rename itself is atomic there too. */
 static void sync_folder(const char *path)
 {
-    char       *folder = strdup(path);
-    char       *slash = folder ? strrchr(folder, '/') : NULL;
+    char *folder = strdup(path);
+    char *slash = folder ? strrchr(folder, '/') : NULL;
     const char *name = ".";
     if (slash) {
         slash[slash == folder ? 1 : 0] = '\0';
@@ -69,7 +69,7 @@ static int keep_backup(const char *path, const char *backup)
     if (link(path, backup) == 0)
         return 0;
     /* No hard links on this file system: copy. */
-    char  *bytes;
+    char *bytes;
     size_t size;
     if (lccal_load_file(path, &bytes, &size) != LCCAL_OK)
         return EIO;
@@ -81,12 +81,12 @@ static int keep_backup(const char *path, const char *backup)
 int lccal_save_file(const char *path, const void *bytes, size_t size, bool backup)
 {
     const size_t length = strlen(path);
-    char        *temporary = malloc(length + 8);
-    char        *previous = malloc(length + 2);
-    int          fd = -1;
-    int          error = 0;
-    const char  *step = "write";
-    int          result = LCCAL_OK;
+    char *temporary = malloc(length + 8);
+    char *previous = malloc(length + 2);
+    int fd = -1;
+    int error = 0;
+    const char *step = "write";
+    int result = LCCAL_OK;
     if (!temporary || !previous) {
         result = lccal_fail(LCCAL_FAILED, "out of memory while saving '%s'", path);
         goto done;
@@ -131,11 +131,11 @@ int lccal_load_file(const char *path, char **bytes, size_t *size)
 {
     FILE *file = fopen(path, "rb");
     if (!file)
-        return lccal_fail(errno == EACCES ? LCCAL_PERMISSION : LCCAL_FAILED,
-                          "cannot read '%s': %s", path, strerror(errno));
-    char  *text = NULL;
+        return lccal_fail(errno == EACCES ? LCCAL_PERMISSION : LCCAL_FAILED, "cannot read '%s': %s",
+                          path, strerror(errno));
+    char *text = NULL;
     size_t used = 0, room = 0;
-    int    result = LCCAL_OK;
+    int result = LCCAL_OK;
     for (;;) {
         if (room - used < 2) {
             room = room ? 2 * room : 65536;

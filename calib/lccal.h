@@ -3,6 +3,8 @@
 #ifndef LCCAL_H
 #define LCCAL_H
 
+#include "number.h"
+
 #include <lcor/profile.h>
 
 #include <stdbool.h>
@@ -45,10 +47,10 @@ typedef enum lccal_option_kind {
 } lccal_option_kind;
 
 typedef struct lccal_option {
-    const char       *name;  /* "--readings" */
-    const char       *alias; /* "-n", or NULL */
+    const char *name;  /* "--readings" */
+    const char *alias; /* "-n", or NULL */
     lccal_option_kind kind;
-    void             *out;
+    void *out;
 } lccal_option;
 
 /* Read `--name value`, `--name=value` and `-x value` in any order; what is left over (operands) is
@@ -85,13 +87,6 @@ void lccal_event_number(const char *key, double value, int decimals);
 void lccal_event_bool(const char *key, bool value);
 void lccal_event_end(void);
 
-/* ---- numbers in C notation, whatever the locale ---- */
-
-/* [+-] digits [. digits], the whole of text[0..n-1]; no exponent, no nan, no hexadecimal. */
-bool lccal_parse_number(const char *text, size_t n, double *out);
-/* Fixed-point text of a finite |value| < 1e12 with 0..9 decimals; never "-0.00". Returns buffer. */
-const char *lccal_format_number(char *buffer, size_t capacity, double value, int decimals);
-
 /* ---- files ---- */
 
 /* Put `size` bytes at `path` so that a crash at any moment leaves either the whole old file or the
@@ -110,18 +105,18 @@ typedef struct lccal_measure_options {
     const char *instrument; /* NULL: auto */
     const char *record;     /* NULL, or where to write the dialogue with the instrument */
     const char *journal;    /* NULL: none */
-    int         readings;   /* per patch */
-    int         positions;  /* 1, or 9 for evenness */
-    int         ramp;       /* grey steps between white and black, 0: none */
-    double      timeout;    /* seconds for one reading */
-    double      precision;  /* percent of c at which a patch has enough readings; 0: never */
-    bool        yes;        /* take readings as they come */
-    bool        resume;     /* take up the journal */
+    int readings;           /* per patch */
+    int positions;          /* 1, or 9 for evenness */
+    int ramp;               /* grey steps between white and black, 0: none */
+    double timeout;         /* seconds for one reading */
+    double precision;       /* percent of c at which a patch has enough readings; 0: never */
+    bool yes;               /* take readings as they come */
+    bool resume;            /* take up the journal */
 } lccal_measure_options;
 
-/* The port and driver of the only known instrument that is plugged in and usable. Failure is told to
- * the user; returns an exit code. */
-int lccal_find_port(char *port, size_t capacity, const char **instrument);
+/* The port and driver of the only known instrument that is plugged in and usable. Failure is told
+ * to the user; returns an exit code. */
+int lccal_find_port(char *port, size_t capacity, const char **driver);
 
 /* Guide the user through the patches and return the readings as a profile (free it). The journal is
  * left for the caller to remove once the profile is stored. Failure is told to the user; returns an

@@ -7,7 +7,10 @@ static const struct {
     const char *name;
     int (*run)(int argc, char **argv);
 } subcommands[] = {
-    {"measure", cmd_measure},
+    {"measure", cmd_measure}, {"list", cmd_list},       {"doctor", cmd_doctor},
+    {"device", cmd_device},   {"enter", cmd_enter},     {"show", cmd_show},
+    {"verify", cmd_verify},   {"history", cmd_history}, {"export", cmd_export},
+    {"target", cmd_target},
 };
 
 int main(int argc, char **argv)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "lccal.h"
 #include "message.h"
+#include "lccal.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -18,7 +18,7 @@ bool lccal_quiet(void) { return be_quiet; }
 
 int lccal_fail(int code, const char *format, ...)
 {
-    char    text[1024];
+    char text[1024];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
@@ -33,7 +33,7 @@ int lccal_fail(int code, const char *format, ...)
 
 void lccal_warn(const char *format, ...)
 {
-    char    text[1024];
+    char text[1024];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);

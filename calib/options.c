@@ -24,12 +24,8 @@ static int store(const lccal_option *option, const char *value)
 {
     double number = 0.0;
     switch (option->kind) {
-    case LCCAL_FLAG:
-        *(bool *)option->out = true;
-        return LCCAL_OK;
-    case LCCAL_TEXT:
-        *(const char **)option->out = value;
-        return LCCAL_OK;
+    case LCCAL_FLAG: *(bool *)option->out = true; return LCCAL_OK;
+    case LCCAL_TEXT: *(const char **)option->out = value; return LCCAL_OK;
     case LCCAL_NUMBER:
         if (!lccal_parse_number(value, strlen(value), &number))
             return lccal_fail(LCCAL_USAGE, "%s wants a number such as 1.5, not '%s'", option->name,
@@ -70,7 +66,7 @@ static int common_option(const char *arg, const char *help, bool *known)
 int lccal_parse_options(int *argc, char **argv, const lccal_option *options, size_t count,
                         const char *help)
 {
-    int  operands = 1;
+    int operands = 1;
     bool only_operands = false;
     for (int i = 1; i < *argc; i++) {
         char *arg = argv[i];
@@ -82,14 +78,14 @@ int lccal_parse_options(int *argc, char **argv, const lccal_option *options, siz
             only_operands = true;
             continue;
         }
-        bool      known;
+        bool known;
         const int common = common_option(arg, help, &known);
         if (common != LCCAL_OK)
             return common;
         if (known)
             continue;
-        const char         *equals = strchr(arg, '=');
-        const size_t        length = equals ? (size_t)(equals - arg) : strlen(arg);
+        const char *equals = strchr(arg, '=');
+        const size_t length = equals ? (size_t)(equals - arg) : strlen(arg);
         const lccal_option *option = find(options, count, arg, length);
         if (!option)
             return lccal_fail(LCCAL_USAGE, "unknown option '%.*s'; --help lists them", (int)length,

@@ -164,7 +164,7 @@ struct CorrectionOptions {
 
     /* Defaults for 8-bit pictures: sRGB primaries and transfer function. */
     CorrectionOptions();
-    void declare(Options &options);
+    void declare(Options &options, bool with_space = true);
     /* --mean: the method, or the number given. */
     lcor_mean_method mean_method() const;
     std::optional<double> given_mean() const;
@@ -238,6 +238,7 @@ class OutputFile
 
 /* The whole of a file as bytes, at most `limit`; Exit::input (or `missing`) names it otherwise. */
 std::string read_file(const std::string &path, uint64_t limit, Exit missing = Exit::input);
+std::string read_start(const std::string &path, size_t size); /* its first bytes */
 void write_file(const std::string &path, const std::string &bytes);
 /* Ctrl-C, SIGTERM and SIGHUP remove temporary files and end with 130. */
 void handle_signals();

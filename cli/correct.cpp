@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* `lcor correct`: a picture of any size in two streaming passes, the mean and the correction. */
-#include "picture.h"
+#include "stream.h"
+#include "pixels.h"
+
+#include <OpenImageIO/imageio.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstring>
+#include <mutex>
 
 namespace cli
 {
@@ -15,6 +17,8 @@ namespace
 
 enum { CHUNK_ROWS = 8, CURVE_STEPS = 65536 };
 constexpr size_t band_bytes = size_t(3) << 20;
+/* A doubt about the mean that no device shows. */
+constexpr double mean_doubt = 1e-4;
 
 struct PlanDeleter {
     void operator()(lcor_plan *plan) const { lcor_plan_free(plan); }
@@ -24,33 +28,10 @@ using PlanPointer = std::unique_ptr<lcor_plan, PlanDeleter>;
 struct Job {
     std::string texture, map, output;
     std::optional<double> rho, measured;
-    int depth = 0; /* index into depths */
-    DeviceOptions device_options;
+    int depth = 0; /* same as the texture, 8, 16, half, float */
+    DeviceOptions device;
     CorrectionOptions correction;
 };
-
-const std::vector<std::string> depths{"same", "8", "16", "half", "float"};
-
-/* What samples are while lcor works on them: no coarser than either file. */
-struct Samples {
-    lcor_sample kind;
-    OIIO::TypeDesc type;
-};
-
-Samples working_samples(OIIO::TypeDesc in, OIIO::TypeDesc out, bool premultiplied)
-{
-    const auto is = [&](OIIO::TypeDesc::BASETYPE type) { return in.basetype == type || out.basetype == type; };
-    const auto coarse = [](OIIO::TypeDesc type, bool words) {
-        return type == OIIO::TypeDesc::UINT8 || (words && type == OIIO::TypeDesc::UINT16);
-    };
-    if (is(OIIO::TypeDesc::DOUBLE))
-        return {LCOR_F64, OIIO::TypeDesc::DOUBLE};
-    if (!premultiplied && coarse(in, false) && coarse(out, false))
-        return {LCOR_U8, OIIO::TypeDesc::UINT8};
-    if (!premultiplied && coarse(in, true) && coarse(out, true))
-        return {LCOR_U16, OIIO::TypeDesc::UINT16};
-    return {LCOR_F32, OIIO::TypeDesc::FLOAT};
-}
 
 /* A few rows on their way through the stages. */
 struct Band {
@@ -59,76 +40,58 @@ struct Band {
     MapReader::Band map;
 };
 
-/* What one chunk of rows adds to the first pass. Sums are joined in order, so that they do not
- * depend on the threads; the rest has the same bits in any order. */
-struct Totals {
-    double luminance = 0.0, weight = 0.0;
-};
+OIIO::ImageSpec output_spec(const PictureReader &reader, const Job &job, const Device &device)
+{
+    OIIO::ImageSpec spec = reader.spec();
+    const OIIO::TypeDesc types[] = {spec.format, OIIO::TypeDesc::UINT8, OIIO::TypeDesc::UINT16,
+                                    OIIO::TypeDesc::HALF, OIIO::TypeDesc::FLOAT};
+    spec.set_format(types[job.depth]);
+    spec.channelformats.clear();
+    spec.erase_attribute("oiio:BitsPerSample");
+    const bool to_device = !device.tone_curve.empty() && !spec.format.is_floating_point();
+    const std::string icc = spec.get_string_attribute("ICCProfile:profile_description");
+    if (to_device && spec.find_attribute("ICCProfile")) {
+        warn("the device's tone curve takes the place of the ICC profile of '%s'", job.texture.c_str());
+        spec.erase_attribute("ICCProfile");
+    } else if (!icc.empty() && icc.find("sRGB") == std::string::npos) {
+        warn("'%s' has the ICC profile '%s'; it is carried over, colours are read as --space says",
+             job.texture.c_str(), icc.c_str());
+    }
+    spec.attribute("Software", std::string("lcor ") + lcor_version());
+    return spec;
+}
 
 class Corrector
 {
   public:
     Corrector(const Job &job, Threads &threads)
-        : job_(job), threads_(threads), device_(job.device_options.load()), reader_(job.texture),
+        : job_(job), threads_(threads), device_(job.device.load()), reader_(job.texture),
           colour_(job.correction.colour(reader_.float_samples())),
-          map_(job.map, colour_, reader_.width(), reader_.height()), progress_("correcting")
+          map_(job.map, colour_, reader_.width(), reader_.height()),
+          writer_(job.output, output_spec(reader_, job, device_)),
+          rows_(reader_.spec().format, writer_.spec().format,
+                reader_.premultiplied() || writer_.premultiplied(), reader_.width(),
+                reader_.channels(), reader_.spec().alpha_channel),
+          band_rows_(reader_.band_rows(band_bytes)), progress_("correcting")
     {
-        if (reader_.channels() > 64)
-            fail(Exit::input, "'%s' has %zu channels; lcor takes up to 64", job.texture.c_str(),
-                 reader_.channels());
-        colours_ = reader_.channels() >= 3 ? 3 : 1;
-        alpha_ = reader_.spec().alpha_channel;
-        look_at_profile();
+        make_curve();
     }
 
     Json run()
     {
-        writer_ = std::make_unique<PictureWriter>(job_.output, output_spec());
-        samples_ = working_samples(reader_.spec().format, writer_->spec().format,
-                                   reader_.premultiplied() || writer_->premultiplied());
-        band_rows_ = reader_.band_rows(band_bytes);
-        bands_ = (reader_.height() + band_rows_ - 1) / band_rows_;
-        stride_ = reader_.width() * reader_.channels() * samples_.type.size();
-        make_curve();
-        if (job_.correction.conventional)
-            r_mean_ = 1.0;
-        else
-            find_means();
+        find_means();
         correct();
-        writer_->commit();
+        writer_.commit();
         return report();
     }
 
   private:
-    void look_at_profile() const
-    {
-        const std::string icc = reader_.spec().get_string_attribute("ICCProfile:profile_description");
-        if (!icc.empty() && icc.find("sRGB") == std::string::npos && job_.correction.space == LCOR_PRIMARIES_SRGB)
-            warn("'%s' has the ICC profile '%s'; lcor reads its colours as sRGB and carries the profile over",
-                 job_.texture.c_str(), icc.c_str());
-    }
+    using Work = std::function<void(Band &band, size_t y0, size_t y1)>;
 
-    OIIO::ImageSpec output_spec() const
-    {
-        OIIO::ImageSpec spec = reader_.spec();
-        const OIIO::TypeDesc types[] = {spec.format, OIIO::TypeDesc::UINT8, OIIO::TypeDesc::UINT16,
-                                        OIIO::TypeDesc::HALF, OIIO::TypeDesc::FLOAT};
-        spec.set_format(types[job_.depth]);
-        spec.channelformats.clear();
-        spec.erase_attribute("oiio:BitsPerSample");
-        if (!device_.tone_curve.empty() && !spec.format.is_floating_point() &&
-            spec.find_attribute("ICCProfile")) {
-            warn("the device's tone curve replaces the ICC profile of '%s'", job_.texture.c_str());
-            spec.erase_attribute("ICCProfile");
-        }
-        spec.attribute("Software", std::string("lcor ") + lcor_version());
-        return spec;
-    }
-
-    /* The output may store samples another way than the input; the curve takes linear RGB there. */
+    /* The output may store samples another way than the input: the curve starts at linear RGB. */
     void make_curve()
     {
-        const bool to_float = writer_->spec().format.is_floating_point();
+        const bool to_float = writer_.spec().format.is_floating_point();
         if (!device_.tone_curve.empty() && !to_float) {
             curve_ = device_.tone_curve;
             return;
@@ -142,15 +105,14 @@ class Corrector
                 &out, static_cast<double>(i) / static_cast<double>(curve_.size() - 1)));
     }
 
-    PlanPointer make_plan(double r_mean) const
+    PlanPointer make_plan(double r_mean, double rho, double ratio) const
     {
         lcor_plan_options options = job_.correction.plan(device_, colour_);
         options.r_mean = r_mean;
-        options.rho = rho_;
-        options.rho_ratio = ratio_;
-        options.in_type = options.out_type = samples_.kind;
-        const size_t step = colours_ == 3 ? reader_.channels() : 3;
-        options.in_layout = options.out_layout = {step, 1};
+        options.rho = rho;
+        options.rho_ratio = ratio;
+        options.in_type = options.out_type = rows_.kind();
+        options.in_layout = options.out_layout = rows_.layout();
         options.tone_curve = curve_.empty() ? nullptr : curve_.data();
         options.tone_size = curve_.size();
         lcor_plan *plan = nullptr;
@@ -159,27 +121,27 @@ class Corrector
         return PlanPointer(plan);
     }
 
-    /* Reading, working and writing of three neighbouring bands at once. */
-    void stream(bool write, double from, double to,
-                const std::function<void(Band &, size_t y0, size_t y1, size_t chunk)> &work)
+    /* Reading, working on and writing of three neighbouring bands at once. */
+    void stream(bool write, double from, double to, const Work &work)
     {
         std::array<Band, 3> bands;
-        const size_t stages = bands_ + (write ? 2 : 1);
-        for (size_t k = 0; k < stages; k++) {
+        const size_t count = (reader_.height() + band_rows_ - 1) / band_rows_;
+        const size_t steps = count + (write ? 2 : 1);
+        for (size_t k = 0; k < steps; k++) {
             Band &reading = bands[k % 3], &working = bands[(k + 2) % 3], &writing = bands[(k + 1) % 3];
-            const bool reads = k < bands_, works = k >= 1 && k - 1 < bands_, writes = write && k >= 2;
-            const size_t chunks = works ? (working.y1 - working.y0 + CHUNK_ROWS - 1) / CHUNK_ROWS : 0;
-            threads_.run(chunks + 2, [&](size_t task) {
-                if (task == 0 && writes) {
-                    writer_->write(writing.y0, writing.y1, samples_.type, writing.pixels.data());
-                } else if (task == 1 && reads) {
+            const bool works = k >= 1 && k <= count;
+            const size_t rows = works ? working.y1 - working.y0 : 0;
+            threads_.run(2 + (rows + CHUNK_ROWS - 1) / CHUNK_ROWS, [&](size_t task) {
+                if (task == 0 && write && k >= 2) {
+                    writer_.write(writing.y0, writing.y1, rows_.type(), writing.pixels.data());
+                } else if (task == 1 && k < count) {
                     read(reading, k);
                 } else if (task >= 2) {
                     const size_t y0 = working.y0 + (task - 2) * CHUNK_ROWS;
-                    work(working, y0, std::min(y0 + CHUNK_ROWS, working.y1), y0 / CHUNK_ROWS);
+                    work(working, y0, std::min(y0 + CHUNK_ROWS, working.y1));
                 }
             });
-            progress_.report(from + (to - from) * static_cast<double>(k + 1) / static_cast<double>(stages));
+            progress_.report(from + (to - from) * static_cast<double>(k + 1) / static_cast<double>(steps));
         }
     }
 
@@ -187,179 +149,224 @@ class Corrector
     {
         band.y0 = index * band_rows_;
         band.y1 = std::min(band.y0 + band_rows_, reader_.height());
-        band.pixels.resize((band.y1 - band.y0) * stride_);
-        reader_.read(band.y0, band.y1, samples_.type, band.pixels.data());
+        band.pixels.resize((band.y1 - band.y0) * rows_.bytes());
+        reader_.read(band.y0, band.y1, rows_.type(), band.pixels.data());
         map_.read(band.y0, band.y1, band.map);
+        for (size_t y = band.y0; y < band.y1 && reader_.premultiplied(); y++)
+            rows_.divide_by_alpha(row_of(band, y));
     }
 
-    /* Colour times alpha -> colour, in place; and back. Premultiplied samples are floats. */
-    template <class T> void scale_by_alpha(uint8_t *row, bool divide) const
-    {
-        const size_t n = reader_.channels(), alpha = static_cast<size_t>(alpha_);
-        for (size_t x = 0; x < reader_.width(); x++, row += n * sizeof(T)) {
-            T pixel[64];
-            std::memcpy(pixel, row, n * sizeof(T));
-            const T a = pixel[alpha];
-            for (size_t c = 0; c < static_cast<size_t>(colours_) && a > T(0); c++)
-                pixel[c] = divide ? pixel[c] / a : pixel[c] * a;
-            std::memcpy(row, pixel, n * sizeof(T));
-        }
-    }
-
-    void convert_alpha(uint8_t *row, bool divide) const
-    {
-        if (samples_.kind == LCOR_F64)
-            scale_by_alpha<double>(row, divide);
-        else
-            scale_by_alpha<float>(row, divide);
-    }
-
-    double sample(const uint8_t *row, size_t index) const
-    {
-        switch (samples_.kind) {
-        case LCOR_U8: return row[index] / 255.0;
-        case LCOR_U16: {
-            uint16_t value;
-            std::memcpy(&value, row + 2 * index, sizeof value);
-            return value / 65535.0;
-        }
-        case LCOR_F32: {
-            float value;
-            std::memcpy(&value, row + 4 * index, sizeof value);
-            return static_cast<double>(value);
-        }
-        case LCOR_F64: break;
-        }
-        double value;
-        std::memcpy(&value, row + 8 * index, sizeof value);
-        return value;
-    }
-
-    /* A grey row as three equal channels, and back. */
-    void spread_grey(const uint8_t *row, std::vector<uint8_t> &rgb) const
-    {
-        const size_t size = samples_.type.size(), step = reader_.channels() * size;
-        rgb.resize(3 * size * reader_.width());
-        for (size_t x = 0; x < reader_.width(); x++)
-            for (size_t c = 0; c < 3; c++)
-                std::memcpy(&rgb[(3 * x + c) * size], row + x * step, size);
-    }
-
-    void gather_grey(const std::vector<uint8_t> &rgb, uint8_t *row) const
-    {
-        const size_t size = samples_.type.size(), step = reader_.channels() * size;
-        for (size_t x = 0; x < reader_.width(); x++)
-            std::memcpy(row + x * step, &rgb[(3 * x + 1) * size], size);
-    }
-
-    /* Weight of a pixel in the means: what alpha lets show. */
-    void weights(const uint8_t *row, std::vector<double> &out) const
-    {
-        out.resize(reader_.width());
-        for (size_t x = 0; x < out.size(); x++) {
-            const double a = sample(row, x * reader_.channels() + static_cast<size_t>(alpha_));
-            out[x] = std::isfinite(a) ? std::clamp(a, 0.0, 1.0) : 0.0;
-        }
-    }
+    uint8_t *row_of(Band &band, size_t y) const { return &band.pixels[(y - band.y0) * rows_.bytes()]; }
 
     void find_means();
-    Totals row_luminance(const uint8_t *row, const std::vector<double> &linear) const;
+    void add_rows(const lcor_plan *plan, Band &band, size_t y0, size_t y1, lcor_mean &mean) const;
     void correct();
+    void correct_rows(const lcor_plan *plan, Band &band, size_t y0, size_t y1,
+                      lcor_row_stats &stats) const;
     Json report() const;
 
     const Job &job_;
     Threads &threads_;
-    Device device_;
+    const Device device_;
     PictureReader reader_;
-    lcor_colour colour_;
+    const lcor_colour colour_;
     MapReader map_;
+    PictureWriter writer_;
+    const PixelRows rows_;
+    const size_t band_rows_;
     Progress progress_;
-    std::unique_ptr<PictureWriter> writer_;
-    Samples samples_{};
-    int colours_, alpha_;
-    size_t band_rows_ = 0, bands_ = 0, stride_ = 0;
     std::vector<float> curve_;
-    double texture_mean_ = 0.0, rho_ = 0.5, ratio_ = 1.0, r_mean_ = 0.0;
-    uint64_t left_out_ = 0;
-    lcor_row_stats stats_{};
+    std::mutex mutex_;
+    double rho_ = 0.5, ratio_ = 1.0, r_mean_ = 1.0;
+    lcor_row_stats stats_ = {};
 };
 
-/* Y of the pixels, weighted by alpha: the texture's own reflectance (section 5.2). */
-Totals Corrector::row_luminance(const uint8_t *row, const std::vector<double> &linear) const
+/* r of rows, for the mean of section 4.3. */
+void Corrector::add_rows(const lcor_plan *plan, Band &band, size_t y0, size_t y1, lcor_mean &mean) const
 {
-    const size_t n = reader_.channels();
-    Totals totals;
-    for (size_t x = 0; x < reader_.width(); x++) {
-        double y = 0.0;
-        for (size_t c = 0; c < 3; c++) {
-            const size_t index = x * n + (colours_ == 3 ? c : 0);
-            double value;
-            if (samples_.kind == LCOR_U8)
-                value = linear[row[index]];
-            else
-                value = lcor_transfer_to_linear(&colour_, sample(row, index));
-            y += colour_.to_xyz[3 + c] * value;
-        }
-        const double a = alpha_ < 0 ? 1.0 : sample(row, x * n + static_cast<size_t>(alpha_));
-        if (!std::isfinite(y) || !(a >= 0.0 && a <= 1.0))
-            continue;
-        totals.luminance += a * std::clamp(y, 0.0, 1.0);
-        totals.weight += a;
+    const size_t n = rows_.width();
+    std::vector<float> illuminance(n);
+    std::vector<double> r(n), alpha;
+    std::vector<uint8_t> rgb;
+    for (size_t y = y0; y < y1; y++) {
+        const uint8_t *const row = row_of(band, y);
+        map_.sample(band.map, y, illuminance.data());
+        if (rows_.grey())
+            rows_.spread_grey(row, rgb);
+        lcor_plan_reflectance_row(plan, n, rows_.grey() ? rgb.data() : row, illuminance.data(),
+                                  nullptr, r.data());
+        if (rows_.has_alpha())
+            rows_.coverage(row, alpha);
+        lcor_mean_add(&mean, n, r.data(), rows_.has_alpha() ? alpha.data() : nullptr);
     }
-    return totals;
 }
 
-/* First pass: the texture's mean reflectance unless given, and the mean of r. With the patch's
- * reading r = E rho, and rho is a common factor. */
+/* First pass: the texture's own reflectance and the mean of r, each unless given. With the patch's
+ * reading r = E rho, so rho is a factor of the mean and can be learnt in the same pass. */
 void Corrector::find_means()
 {
-    const bool texel = job_.correction.reading == LCOR_READING_TEXEL;
-    const bool needs_mean = !job_.correction.given_mean();
-    const bool needs_texture = !texel && (!job_.rho || job_.measured);
+    const bool texel = job_.correction.reading == LCOR_READING_TEXEL && !job_.correction.conventional;
+    const bool wants_mean = !job_.correction.given_mean() && !job_.correction.conventional;
+    const bool wants_rho = !texel && (!job_.rho || job_.measured);
     const lcor_mean_method method = job_.correction.mean_method();
-    rho_ = 1.0;
-    const PlanPointer plan = make_plan(1.0);
-    std::vector<double> linear(256);
-    for (size_t i = 0; i < 256; i++)
-        linear[i] = lcor_transfer_to_linear(&colour_, static_cast<double>(i) / 255.0);
-
-    std::vector<Totals> totals((reader_.height() + CHUNK_ROWS - 1) / CHUNK_ROWS + bands_);
-    std::mutex mutex;
+    const PlanPointer plan = make_plan(1.0, 1.0, 1.0);
+    LuminanceSum luminance(colour_, rows_, reader_.height());
     lcor_mean mean;
     lcor_mean_init(&mean);
-    if (!needs_mean && !needs_texture)
-        bands_to_skip();
-    stream(false, 0.0, 0.4, [&](Band &band, size_t y0, size_t y1, size_t chunk) {
-        std::vector<float> illuminance(reader_.width());
-        std::vector<double> r(reader_.width()), weight;
-        std::vector<uint8_t> rgb;
-        lcor_mean part;
-        lcor_mean_init(&part);
-        for (size_t y = y0; y < y1; y++) {
-            uint8_t *const row = &band.pixels[(y - band.y0) * stride_];
-            if (reader_.premultiplied())
-                convert_alpha(row, true);
-            if (needs_texture) {
-                const Totals add = row_luminance(row, linear);
-                totals[chunk].luminance += add.luminance;
-                totals[chunk].weight += add.weight;
-            }
-            if (!needs_mean)
-                continue;
-            map_.sample(band.map, y, illuminance.data());
-            if (texel && colours_ == 1)
-                spread_grey(row, rgb);
-            lcor_plan_reflectance_row(plan.get(), r.size(), rgb.empty() ? row : rgb.data(),
-                                      illuminance.data(), nullptr, r.data());
-            if (alpha_ >= 0)
-                weights(row, weight);
-            lcor_mean_add(&part, r.size(), r.data(), alpha_ >= 0 ? weight.data() : nullptr);
+    lcor_error error = {};
+    bool first = true;
+    for (double done = 0.0; (first && (wants_mean || wants_rho)) ||
+                            (!first && wants_mean && lcor_mean_error(&mean, method) > mean_doubt);
+         first = false) {
+        if (!first)
+            lcor_mean_refine(&mean, method);
+        const lcor_mean start = mean;
+        const double next = done + 0.5 * (0.6 - done);
+        bool fresh = true; /* the first chunk's mean takes over what came before */
+        stream(false, done, next, [&](Band &band, size_t y0, size_t y1) {
+            for (size_t y = y0; y < y1 && first && wants_rho; y++)
+                luminance.add(y, row_of(band, y));
+            if (!wants_mean)
+                return;
+            lcor_mean part = start;
+            add_rows(plan.get(), band, y0, y1, part);
+            const std::lock_guard<std::mutex> lock(mutex_);
+            if (fresh)
+                mean = part;
+            else
+                check(lcor_mean_merge(&mean, &part, &error), error, Exit::failed, "mean of r");
+            fresh = false;
+        });
+        done = next;
+    }
+    const double drawn = luminance.mean();
+    if (job_.measured) {
+        rho_ = *job_.measured;
+        ratio_ = drawn > 0.0 ? rho_ / drawn : 1.0;
+    } else {
+        rho_ = job_.rho ? *job_.rho : texel ? 1.0 : drawn;
+    }
+    if (job_.correction.given_mean()) {
+        r_mean_ = *job_.correction.given_mean();
+    } else if (wants_mean) {
+        check(lcor_mean_get(&mean, method, &r_mean_, &error), error, Exit::input,
+              "'" + job_.map + "': mean of r");
+        r_mean_ *= texel ? 1.0 : rho_;
+        if (!(r_mean_ > 0.0))
+            warn("nothing is lit or everything is black: the picture comes out black");
+    }
+}
+
+void Corrector::correct_rows(const lcor_plan *plan, Band &band, size_t y0, size_t y1,
+                             lcor_row_stats &stats) const
+{
+    const size_t n = rows_.width();
+    std::vector<float> illuminance(n);
+    std::vector<uint8_t> rgb;
+    for (size_t y = y0; y < y1; y++) {
+        uint8_t *const row = row_of(band, y);
+        map_.sample(band.map, y, illuminance.data());
+        if (rows_.grey())
+            rows_.spread_grey(row, rgb);
+        void *const texels = rows_.grey() ? rgb.data() : row;
+        (job_.correction.conventional ? lcor_conventional_row : lcor_correct_row)(
+            plan, y, n, texels, illuminance.data(), nullptr, texels, &stats);
+        if (rows_.grey())
+            rows_.gather_grey(rgb, row);
+        if (writer_.premultiplied())
+            rows_.multiply_by_alpha(row);
+    }
+}
+
+/* Second pass. */
+void Corrector::correct()
+{
+    const PlanPointer plan = make_plan(r_mean_, rho_, ratio_);
+    stream(true, 0.6, 1.0, [&](Band &band, size_t y0, size_t y1) {
+        lcor_row_stats stats = {};
+        correct_rows(plan.get(), band, y0, y1, stats);
+        const std::lock_guard<std::mutex> lock(mutex_);
+        const bool earlier = stats.non_finite > 0 &&
+                             (stats_.non_finite == 0 || stats.first_bad_row < stats_.first_bad_row);
+        if (earlier) {
+            stats_.first_bad_row = stats.first_bad_row;
+            stats_.first_bad_pixel = stats.first_bad_pixel;
         }
-        const std::lock_guard<std::mutex> lock(mutex);
-        lcor_error error = {};
-        check(lcor_mean_merge(&mean, &part, &error), error, Exit::failed, "mean");
+        stats_.pixels += stats.pixels;
+        stats_.clipped_low += stats.clipped_low;
+        stats_.clipped_high += stats.clipped_high;
+        stats_.out_of_gamut += stats.out_of_gamut;
+        stats_.non_finite += stats.non_finite;
     });
+    if (stats_.non_finite > 0)
+        warn("%llu pixels of '%s' are negative or no numbers and come out black; the first at row "
+             "%llu, column %llu",
+             static_cast<unsigned long long>(stats_.non_finite), job_.texture.c_str(),
+             static_cast<unsigned long long>(stats_.first_bad_row),
+             static_cast<unsigned long long>(stats_.first_bad_pixel));
+}
+
+Json Corrector::report() const
+{
+    return {{"output", job_.output},
+            {"width", reader_.width()},
+            {"height", reader_.height()},
+            {"method", job_.correction.conventional ? "conventional" : "corrected"},
+            {"contrast", device_.contrast},
+            {"rho", rho_},
+            {"rho_ratio", ratio_},
+            {"r_mean", r_mean_},
+            {"pixels", stats_.pixels},
+            {"clipped_low", stats_.clipped_low},
+            {"clipped_high", stats_.clipped_high},
+            {"out_of_gamut", stats_.out_of_gamut},
+            {"non_finite", stats_.non_finite}};
+}
+
+void check_reflectance(const std::optional<double> &rho, const char *name)
+{
+    if (rho && !(*rho > 0.0 && *rho <= 1.0))
+        fail(Exit::usage, "%s must be greater than 0 and at most 1, not %s", name,
+             number_text(*rho).c_str());
 }
 
 } // namespace
+
+Exit run_correct(const Arguments &arguments)
+{
+    Job job;
+    int thread_count = 0;
+    Options options("lcor correct TEXTURE --illuminance MAP -o OUT (--profile F | --contrast C) [options]",
+                    "Correct the lightness of a picture that lies under an illuminance map, for a device\n"
+                    "of limited contrast. The map is a picture of any size, linear, in any unit.");
+    options.text("--illuminance", "MAP", job.map, "illuminance as a picture (float, or linear integers)")
+        .text("-o", "OUT", job.output, "picture to write; its extension gives the format");
+    job.device.declare(options);
+    options.number("--rho", "R", job.rho, "reflectance of the surface, default the picture's mean Y")
+        .number("--measured", "R", job.measured,
+                "as --rho, and scale the picture from its mean Y to R (section 5.2)");
+    job.correction.declare(options);
+    options.choice("--depth", {"same", "8", "16", "half", "float"}, job.depth, "samples of the output")
+        .count("--threads", "N", thread_count, "default: as many as the machine has");
+    if (!options.parse(arguments))
+        return Exit::ok;
+    job.texture = options.operand("a picture");
+    if (job.map.empty())
+        fail(Exit::usage, "which light? give --illuminance MAP");
+    if (job.output.empty())
+        fail(Exit::usage, "where to? give -o OUT.tif, .png, .jpg or .exr");
+    check_reflectance(job.rho, "--rho");
+    check_reflectance(job.measured, "--measured");
+    if (job.rho && job.measured)
+        fail(Exit::usage, "--rho and --measured exclude each other");
+    if (job.correction.conventional && !job.device.given())
+        job.device.contrast = 2.0; /* eq 19 knows no device */
+    Threads threads(thread_count);
+    OIIO::attribute("threads", threads.count());
+    const Json report = Corrector(job, threads).run();
+    say("%s: corrected, mean of r %s", job.output.c_str(), number_text(report["r_mean"]).c_str());
+    print_json(report);
+    return Exit::ok;
+}
+
 } // namespace cli

@@ -60,13 +60,14 @@ Device DeviceOptions::load() const
 
 CorrectionOptions::CorrectionOptions() : space(LCOR_PRIMARIES_SRGB), transfer("auto") {}
 
-void CorrectionOptions::declare(Options &options)
+void CorrectionOptions::declare(Options &options, bool with_space)
 {
+    if (with_space)
+        options.choice("--space", {"ntsc", "srgb"}, space, "primaries: eq 1, or sRGB (default)");
     options.choice("--reading", {"patch", "texel"}, reading,
                    "what rho of r = alpha rho is: the surface's mean, or each texel's own")
         .text("--mean", "adaptive|literal|NUMBER", mean, "how r is averaged, or its mean")
         .number("--exponent", "T", exponent, "t of eq 8, default 1")
-        .choice("--space", {"ntsc", "srgb"}, space, "primaries: eq 1, or sRGB (default)")
         .text("--transfer", "linear|srgb|gamma=G", transfer,
               "how samples are stored; default srgb, linear for floats")
         .choice("--lightness", {"cie", "paper"}, lightness,

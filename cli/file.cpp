@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <climits>
@@ -160,7 +161,11 @@ void OutputFile::commit()
     sync_path(folder_of(target_), path_, O_RDONLY | O_DIRECTORY);
 }
 
-std::string read_file(const std::string &path, uint64_t limit, Exit missing)
+namespace
+{
+
+/* Up to `size` bytes. */
+std::string read_bytes(const std::string &path, uint64_t size, Exit missing)
 {
     const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (fd < 0)
@@ -168,20 +173,35 @@ std::string read_file(const std::string &path, uint64_t limit, Exit missing)
              std::strerror(errno));
     std::string bytes;
     struct stat info = {};
-    if (fstat(fd, &info) == 0 && S_ISREG(info.st_mode) && static_cast<uint64_t>(info.st_size) <= limit)
-        bytes.reserve(static_cast<size_t>(info.st_size));
+    if (fstat(fd, &info) == 0 && S_ISREG(info.st_mode))
+        bytes.reserve(static_cast<size_t>(std::min<uint64_t>(static_cast<uint64_t>(info.st_size), size)));
     char chunk[65536];
-    ssize_t n;
-    while ((n = read(fd, chunk, sizeof chunk)) > 0 || (n < 0 && errno == EINTR)) {
+    int error = 0;
+    while (bytes.size() < size && error == 0) {
+        const ssize_t n = read(fd, chunk, std::min<uint64_t>(sizeof chunk, size - bytes.size()));
+        if (n == 0)
+            break;
         if (n > 0)
             bytes.append(chunk, static_cast<size_t>(n));
-        if (bytes.size() > limit)
-            break;
+        else if (errno != EINTR)
+            error = errno;
     }
-    const int error = n < 0 ? errno : 0;
     close(fd);
     if (error != 0)
         fail(missing, "cannot read '%s': %s", path.c_str(), std::strerror(error));
+    return bytes;
+}
+
+} // namespace
+
+std::string read_start(const std::string &path, size_t size)
+{
+    return read_bytes(path, size, Exit::input);
+}
+
+std::string read_file(const std::string &path, uint64_t limit, Exit missing)
+{
+    std::string bytes = read_bytes(path, limit + 1, missing);
     if (bytes.size() > limit)
         fail(missing, "'%s' is larger than the %llu bytes lcor takes", path.c_str(),
              static_cast<unsigned long long>(limit));

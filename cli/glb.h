@@ -47,6 +47,9 @@ class GlbWriter
     int indices_ = -1; /* accessor shared by all quads */
 };
 
+/* The room of Table 3 with its default light and reflectances, as .glb bytes. */
+std::string paper_room(int patches);
+
 } // namespace cli
 
 #endif

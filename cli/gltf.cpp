@@ -52,6 +52,7 @@ namespace
 
 /* Instances of one mesh multiply: a small file must not become a huge scene. */
 constexpr size_t triangle_limit = 4000000;
+constexpr size_t vertex_limit = 32000000; /* read, and read again for every instance */
 
 class Walker
 {
@@ -105,7 +106,10 @@ class Walker
             const double *const q = node.rotation.data();
             if (node.rotation.size() == 4) {
                 const double x = q[0], y = q[1], z = q[2], w = q[3];
-                const double s = 2.0 / std::max(x * x + y * y + z * z + w * w, 1e-300);
+                /* The formula for unit quaternions as every reader uses it: rounded ones are not
+                 * made unit again, so that numbers agree with theirs. Broken ones are. */
+                const double norm = x * x + y * y + z * z + w * w;
+                const double s = std::fabs(norm - 1.0) < 1e-3 ? 2.0 : 2.0 / std::max(norm, 1e-300);
                 out.m = {1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w), 0,
                          s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w), 0,
                          s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y), 0,
@@ -227,6 +231,10 @@ class Walker
         if (group.reflectance < 0.0)
             group.reflectance = contents_.measured[group.material];
         const std::vector<Vertex> vertices = read_vertices(primitive, world);
+        /* Few vertices cost something too: reading starts anew for each primitive. */
+        vertices_read_ += vertices.size() + 64;
+        if (vertices_read_ > vertex_limit)
+            fail(Exit::input, "scene '%s': more than %zu vertices", file_.name.c_str(), vertex_limit);
         add_triangles(primitive, vertices, group, world.determinant() < 0.0);
     }
 
@@ -307,6 +315,7 @@ class Walker
     const tinygltf::Model &model_;
     Contents &contents_;
     std::vector<bool> seen_;
+    size_t vertices_read_ = 0;
 };
 
 /* Extensions that are read, or that change nothing lcor looks at. */

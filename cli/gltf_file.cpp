@@ -126,6 +126,9 @@ ModelFile::~ModelFile() = default;
 void read_model(const std::string &bytes, const std::string &folder, ModelFile &file)
 {
     const bool binary = bytes.compare(0, 4, "glTF") == 0;
+    const size_t first = bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf");
+    if (!binary && (first == std::string::npos || bytes[first] != '{'))
+        fail(Exit::input, "'%s' is not a glTF scene (.gltf or .glb)", file.name.c_str());
     uint32_t json_size = static_cast<uint32_t>(bytes.size());
     const size_t json_start = binary ? 20 : 0;
     if (binary && bytes.size() >= json_start)

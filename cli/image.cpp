@@ -69,22 +69,17 @@ OIIO::ImageSpec open_hints()
     return hints;
 }
 
-/* Name whose extension lets OpenImageIO start with the right reader. */
+/* Name whose extension lets OpenImageIO start with the right reader, for the kinds glTF may hold. */
 const char *hint_name(const uint8_t *bytes, size_t size)
 {
-    static const struct {
-        size_t offset, length;
-        const char *magic, *name;
-    } kinds[] = {
-        {0, 3, "\xff\xd8\xff", "x.jpg"}, {0, 4, "\x89PNG", "x.png"},   {8, 4, "WEBP", "x.webp"},
-        {0, 4, "II*\0", "x.tif"},        {0, 4, "MM\0*", "x.tif"},     {0, 4, "\x76\x2f\x31\x01", "x.exr"},
-        {0, 2, "#?", "x.hdr"},           {0, 2, "BM", "x.bmp"},        {0, 4, "GIF8", "x.gif"},
+    const auto starts = [&](size_t offset, const char *magic, size_t length) {
+        return size >= offset + length && std::memcmp(bytes + offset, magic, length) == 0;
     };
-    for (const auto &kind : kinds)
-        if (size >= kind.offset + kind.length &&
-            std::memcmp(bytes + kind.offset, kind.magic, kind.length) == 0)
-            return kind.name;
-    return nullptr;
+    if (starts(0, "\xff\xd8\xff", 3))
+        return "x.jpg";
+    if (starts(0, "\x89PNG", 4))
+        return "x.png";
+    return starts(8, "WEBP", 4) ? "x.webp" : nullptr;
 }
 
 } // namespace
@@ -106,6 +101,7 @@ double Image::sample(size_t x, size_t y, size_t channel) const
 
 Image read_image(const std::string &path, uint64_t max_pixels)
 {
+    read_start(path, 1); /* says why a file cannot be opened, which OpenImageIO does not */
     const OIIO::ImageSpec hints = open_hints();
     const InputPointer input = OIIO::ImageInput::open(path, &hints);
     if (!input)
@@ -117,9 +113,12 @@ Image decode_image(const uint8_t *bytes, size_t size, const std::string &name, u
 {
     const char *const hint = hint_name(bytes, size);
     if (!hint)
-        fail(Exit::input, "'%s' is not a picture: %zu bytes of no known kind", name.c_str(), size);
-    const OIIO::ImageSpec hints = open_hints();
+        fail(Exit::input, "'%s' is neither JPEG, PNG nor WebP (%zu bytes)", name.c_str(), size);
     OIIO::Filesystem::IOMemReader reader(bytes, size);
+    /* Some readers look for the bytes among the hints only. */
+    OIIO::Filesystem::IOProxy *proxy = &reader;
+    OIIO::ImageSpec hints = open_hints();
+    hints.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
     const InputPointer input = OIIO::ImageInput::open(hint, &hints, &reader);
     if (!input)
         fail(Exit::input, "cannot decode '%s': %s", name.c_str(),

@@ -14,7 +14,7 @@ namespace
 {
 
 struct Console {
-    bool json = false, quiet = false;
+    bool json = false, quiet = false, silent = false;
     bool line_open = false; /* a progress line stands on the terminal */
     std::vector<std::string> warnings;
 };
@@ -58,6 +58,7 @@ void close_line()
 
 void set_json(bool wanted) { console().json = wanted; }
 void set_quiet(bool wanted) { console().quiet = wanted; }
+void set_silent(bool wanted) { console().silent = wanted; }
 bool json_wanted() { return console().json; }
 bool quiet_wanted() { return console().quiet; }
 
@@ -102,6 +103,8 @@ void say(const char *pattern, ...)
 
 void warn(const char *pattern, ...)
 {
+    if (console().silent)
+        return;
     va_list arguments;
     va_start(arguments, pattern);
     const std::string text = formatted(pattern, arguments);

@@ -10,6 +10,7 @@ namespace cli
 
 void set_json(bool wanted);
 void set_quiet(bool wanted);
+void set_silent(bool wanted); /* no warnings at all: for fuzzing */
 
 } // namespace cli
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 namespace cli
 {
@@ -10,186 +11,223 @@ namespace cli
 namespace
 {
 
-std::string first_line(const std::string &text)
-{
-    const std::string line = text.substr(0, text.find('\n'));
-    return line.empty() ? "not a picture OpenImageIO can read" : line;
-}
+constexpr double pi = 3.14159265358979323846;
+/* A lamp's own colour may be black: its light is shown as if a surface of this reflectance had it. */
+constexpr double lamp_reflectance = 0.05;
+constexpr size_t band_rows = 8;
 
 } // namespace
 
-PictureReader::PictureReader(const std::string &path) : path_(path)
+Picture::Picture(const Scene &scene, const lcor_solution *solution, const lcor_camera &camera,
+                 double tolerance, Threads &threads)
+    : scene_(scene), camera_(camera), threads_(threads)
 {
-    OIIO::ImageSpec hints;
-    hints.attribute("oiio:UnassociatedAlpha", 1);
-    input_ = OIIO::ImageInput::open(path, &hints);
-    if (!input_)
-        fail(Exit::input, "cannot read '%s': %s", path.c_str(), first_line(OIIO::geterror()).c_str());
-    if (spec().deep || spec().depth > 1)
-        fail(Exit::input, "'%s' is a deep or volume picture; lcor takes flat ones", path.c_str());
-    if (spec().width <= 0 || spec().height <= 0 || spec().nchannels <= 0)
-        fail(Exit::input, "'%s' has no pixels", path.c_str());
+    std::vector<unsigned char> cull;
+    for (const SurfaceInfo &surface : scene.surfaces)
+        cull.push_back(!scene.materials[surface.material].double_sided);
+    lcor_view_options view_options = {};
+    view_options.struct_size = sizeof view_options;
+    view_options.cull_back = cull.data();
+    lcor_error error = {};
+    lcor_view *view = nullptr;
+    check(lcor_view_new(scene.scene.get(), &camera, &view_options, &view, &error), error, Exit::input,
+          "camera");
+    view_.reset(view);
+    Progress progress("indirect light");
+    lcor_field_options field_options = {};
+    field_options.struct_size = sizeof field_options;
+    field_options.tolerance = tolerance;
+    field_options.parallel = threads.parallel();
+    field_options.progress = progress.callback();
+    lcor_field *field = nullptr;
+    check(lcor_field_new(solution, view, &field_options, &field, &error), error, Exit::failed,
+          "indirect light");
+    field_.reset(field);
+    prepare_surfaces();
+    light();
 }
 
-bool PictureReader::premultiplied() const
+void Picture::prepare_textures()
 {
-    return spec().alpha_channel >= 0 && spec().get_int_attribute("oiio:UnassociatedAlpha") == 0;
+    lcor_colour srgb, linear;
+    lcor_error error = {};
+    for (const auto &[colour, transfer] :
+         {std::pair{&srgb, LCOR_TRANSFER_SRGB}, std::pair{&linear, LCOR_TRANSFER_LINEAR}})
+        check(lcor_colour_init(colour, LCOR_PRIMARIES_SRGB, nullptr, transfer, 1.0, LCOR_LIGHTNESS_CIE,
+                               &error),
+              error, Exit::failed, "texture");
+    textures_.resize(scene_.textures.size());
+    threads_.run(textures_.size(), [&](size_t i) {
+        const Texture &texture = scene_.textures[i];
+        textures_[i] = std::make_unique<MipTexture>(scene_.images[texture.image], texture,
+                                                    texture.srgb ? srgb : linear);
+    });
 }
 
-size_t PictureReader::band_rows(size_t bytes) const
+void Picture::prepare_surfaces()
 {
-    const size_t unit = spec().tile_width > 0
-                            ? static_cast<size_t>(spec().tile_height)
-                            : static_cast<size_t>(std::max(spec().get_int_attribute("tiff:RowsPerStrip", 1), 1));
-    const size_t rows = std::max(bytes / std::max<size_t>(spec().scanline_bytes(), 1), size_t(1));
-    return std::min(std::max(rows / std::min(unit, height()) * unit, unit), height());
-}
-
-void PictureReader::read(size_t y0, size_t y1, OIIO::TypeDesc type, void *out)
-{
-    const OIIO::ImageSpec &s = spec();
-    const int first = s.y + static_cast<int>(y0), last = s.y + static_cast<int>(y1);
-    const bool good = s.tile_width > 0
-                          ? input_->read_tiles(0, 0, s.x, s.x + s.width, first, last, s.z, s.z + 1, 0,
-                                               s.nchannels, type, out)
-                          : input_->read_scanlines(0, 0, first, last, s.z, 0, s.nchannels, type, out);
-    if (!good)
-        fail(Exit::input, "cannot read the pixels of '%s': %s", path_.c_str(),
-             first_line(input_->geterror()).c_str());
-}
-
-PictureWriter::PictureWriter(const std::string &path, const OIIO::ImageSpec &spec) : file_(path)
-{
-    output_ = OIIO::ImageOutput::create(path);
-    if (!output_)
-        fail(Exit::usage, "'%s': no picture format has this extension; try .tif, .png, .jpg or .exr",
-             path.c_str());
-    OIIO::ImageSpec wanted = spec;
-    const std::string format = output_->format_name();
-    if (wanted.alpha_channel >= 0 && !output_->supports("alpha"))
-        fail(Exit::usage, "'%s': %s cannot hold the picture's alpha; write .png, .tif or .exr",
-             path.c_str(), format.c_str());
-    if (!output_->supports("tiles"))
-        wanted.tile_width = wanted.tile_height = wanted.tile_depth = 0;
-    premultiplied_ = wanted.alpha_channel >= 0 &&
-                     (format == "openexr" ||
-                      (format == "tiff" && spec.get_int_attribute("oiio:UnassociatedAlpha") == 0));
-    if (wanted.alpha_channel >= 0)
-        wanted.attribute("oiio:UnassociatedAlpha", premultiplied_ ? 0 : 1);
-    if (!output_->open(file_.temporary(), wanted))
-        fail(Exit::failed, "cannot write '%s': %s", path.c_str(), first_line(output_->geterror()).c_str());
-}
-
-PictureWriter::~PictureWriter() = default;
-
-void PictureWriter::write(size_t y0, size_t y1, OIIO::TypeDesc type, const void *rows)
-{
-    const OIIO::ImageSpec &s = spec();
-    const int first = s.y + static_cast<int>(y0), last = s.y + static_cast<int>(y1);
-    const bool good = s.tile_width > 0 ? output_->write_tiles(s.x, s.x + s.width, first, last, s.z,
-                                                              s.z + 1, type, rows)
-                                       : output_->write_scanlines(first, last, s.z, type, rows);
-    if (!good)
-        fail(Exit::failed, "cannot write '%s': %s", file_.path().c_str(),
-             first_line(output_->geterror()).c_str());
-}
-
-void PictureWriter::commit()
-{
-    if (!output_->close())
-        fail(Exit::failed, "cannot write '%s': %s", file_.path().c_str(),
-             first_line(output_->geterror()).c_str());
-    file_.commit();
-}
-
-MapReader::MapReader(const std::string &path, const lcor_colour &colour, size_t width, size_t height)
-    : picture_(path), colour_(colour), width_(width), height_(height), left_(width), weight_(width)
-{
-    const size_t columns = picture_.width();
-    const double ratio = static_cast<double>(columns) / static_cast<double>(width);
-    for (size_t x = 0; x < width; x++) {
-        const double at = std::clamp((static_cast<double>(x) + 0.5) * ratio - 0.5, 0.0,
-                                     static_cast<double>(columns - 1));
-        /* The last column is reached from its left neighbour with weight 1. */
-        left_[x] = static_cast<uint32_t>(
-            std::min(static_cast<size_t>(at), columns > 1 ? columns - 2 : size_t(0)));
-        weight_[x] = static_cast<float>(at - left_[x]);
+    prepare_textures();
+    for (size_t i = 0; i < scene_.surfaces.size(); i++) {
+        const SurfaceInfo &info = scene_.surfaces[i];
+        const Material &material = scene_.materials[info.material];
+        const auto texture = [&](int index) {
+            return index < 0 ? nullptr : textures_[static_cast<size_t>(index)].get();
+        };
+        Surface surface = {};
+        surface.texture = texture(material.texture);
+        surface.emission_texture = texture(material.emission_texture);
+        std::copy(&info.uv[0][0], &info.uv[0][0] + 6, &surface.uv[0][0]);
+        for (size_t k = 0; k < 3; k++)
+            for (size_t c = 0; c < 3; c++)
+                surface.colour[k][c] = info.colour[k][c] * material.colour[c];
+        double normal[3];
+        const bool front = lcor_view_normal(view_.get(), i, normal) != 0;
+        for (size_t c = 0; c < 3 && (front || material.double_sided); c++)
+            surface.emission[c] = pi * material.emission[c];
+        surface.emits = surface.emission[0] + surface.emission[1] + surface.emission[2] > 0.0;
+        surface.ratio = info.texture_reflectance > 0.0 ? info.reflectance / info.texture_reflectance : 1.0;
+        surface.rho = info.texture_reflectance;
+        if (surface.emits)
+            surface.rho = std::max(surface.rho, lamp_reflectance);
+        surfaces_.push_back(surface);
     }
 }
 
-double MapReader::place(size_t y) const
+bool Picture::opaque() const
 {
-    const size_t rows = picture_.height();
-    return std::clamp((static_cast<double>(y) + 0.5) * static_cast<double>(rows) /
-                              static_cast<double>(height_) - 0.5,
-                      0.0, static_cast<double>(rows - 1));
+    for (size_t y = 0; y < height(); y++) {
+        size_t count;
+        const lcor_span *const spans = lcor_view_row(view_.get(), y, &count);
+        double covered = 0.0;
+        for (size_t i = 0; i < count; i++)
+            covered += static_cast<double>(spans[i].coverage) * (spans[i].x1 - spans[i].x0);
+        if (covered < static_cast<double>(width()) - 1e-3)
+            return false;
+    }
+    return true;
 }
 
-/* Decode the rows around map row `y` and check them. */
-void MapReader::fetch(size_t y)
+void Picture::each_band(const std::function<void(size_t, size_t)> &task, Progress *progress) const
 {
-    const size_t columns = picture_.width(), channels = picture_.channels();
-    const size_t step = picture_.band_rows(size_t(4) << 20), first = y / step * step;
-    const size_t last = std::min(first + step, picture_.height());
-    std::swap(windows_[0], windows_[1]);
-    Band &window = windows_[0];
-    window.first = first;
-    window.values.resize((last - first) * columns);
-    std::vector<float> rows(window.values.size() * channels);
-    picture_.read(first, last, OIIO::TypeDesc::FLOAT, rows.data());
-    for (size_t i = 0; i < window.values.size(); i++) {
-        const float *const sample = &rows[i * channels];
-        double value = static_cast<double>(sample[0]);
-        if (channels >= 3)
-            value = colour_.to_xyz[3] * static_cast<double>(sample[0]) +
-                    colour_.to_xyz[4] * static_cast<double>(sample[1]) +
-                    colour_.to_xyz[5] * static_cast<double>(sample[2]);
-        if (!(value >= 0.0) || !std::isfinite(value))
-            fail(Exit::input, "illuminance map '%s' is %s at pixel (%zu, %zu); it must be 0 or more",
-                 picture_.path().c_str(), number_text(value).c_str(), i % columns, first + i / columns);
-        window.values[i] = static_cast<float>(value);
+    const size_t bands = (height() + band_rows - 1) / band_rows;
+    size_t done = 0;
+    std::mutex mutex;
+    threads_.run(bands, [&](size_t i) {
+        task(i * band_rows, std::min((i + 1) * band_rows, height()));
+        const std::lock_guard<std::mutex> lock(mutex);
+        done++;
+        if (progress)
+            progress->report(static_cast<double>(done) / static_cast<double>(bands));
+    });
+}
+
+/* Illuminance of all samples: once, since both the mean and the correction need it. */
+void Picture::light()
+{
+    lcor_field_report report;
+    lcor_field_get_report(field_.get(), &report);
+    channels_ = static_cast<size_t>(report.channels);
+    rows_.assign(height() + 1, 0);
+    for (size_t y = 0; y < height(); y++) {
+        size_t count;
+        const lcor_span *const spans = lcor_view_row(view_.get(), y, &count);
+        rows_[y + 1] = rows_[y];
+        for (size_t i = 0; i < count; i++)
+            rows_[y + 1] += spans[i].x1 - spans[i].x0;
+    }
+    light_.resize(rows_.back() * channels_);
+    Progress progress("illuminance");
+    each_band(
+        [this](size_t y0, size_t y1) {
+            for (size_t y = y0; y < y1; y++)
+                light_row(y);
+        },
+        &progress);
+}
+
+void Picture::light_row(size_t y)
+{
+    size_t count;
+    const lcor_span *const spans = lcor_view_row(view_.get(), y, &count);
+    float *out = light_.data() + rows_[y] * channels_;
+    std::vector<lcor_place> places(width());
+    std::vector<double> uv(2 * width()), total(channels_ * width());
+    lcor_error error = {};
+    for (size_t i = 0; i < count; i++) {
+        const size_t n = spans[i].x1 - spans[i].x0;
+        lcor_view_places(view_.get(), y, &spans[i], spans[i].x0, n, places.data());
+        for (size_t k = 0; k < n; k++)
+            std::copy_n(places[k].uv, 2, &uv[2 * k]);
+        check(lcor_field_at(field_.get(), spans[i].surface, n, uv.data(), total.data(), nullptr, &error),
+              error, Exit::failed, "illuminance");
+        for (size_t k = 0; k < n * channels_; k++)
+            *out++ = static_cast<float>(total[k]);
     }
 }
 
-void MapReader::read(size_t y0, size_t y1, Band &band)
+/* Filtered colour of a place: texel times factor and vertex colour. */
+static std::array<float, 3> texel(const MipTexture *texture, const double (&uv)[3][2], const lcor_place &at)
 {
-    const size_t columns = picture_.width(), rows = picture_.height();
-    const size_t first = static_cast<size_t>(place(y0));
-    const size_t last = std::min(static_cast<size_t>(place(y1 - 1)) + 2, rows);
-    const auto holds = [&](const Band &window, size_t y) {
-        return y >= window.first && y - window.first < window.values.size() / columns;
-    };
-    band.first = first;
-    band.values.clear();
-    for (size_t y = first; y < last;) {
-        if (!holds(windows_[0], y) && !holds(windows_[1], y))
-            fetch(y);
-        const Band &window = holds(windows_[0], y) ? windows_[0] : windows_[1];
-        const size_t end = std::min(last, window.first + window.values.size() / columns);
-        const auto start = window.values.begin() + static_cast<long>((y - window.first) * columns);
-        band.values.insert(band.values.end(), start, start + static_cast<long>((end - y) * columns));
-        y = end;
+    if (!texture)
+        return {1.0F, 1.0F, 1.0F};
+    double place[2], across[2], down[2];
+    for (size_t k = 0; k < 2; k++) {
+        place[k] = uv[0][k] + at.uv[0] * uv[1][k] + at.uv[1] * uv[2][k];
+        across[k] = at.du[0] * uv[1][k] + at.dv[0] * uv[2][k];
+        down[k] = at.du[1] * uv[1][k] + at.dv[1] * uv[2][k];
     }
+    return texture->sample(place, across, down);
 }
 
-void MapReader::sample(const Band &band, size_t y, float *out) const
+std::array<double, 3> Picture::emission(const Surface &surface, const lcor_place &at) const
 {
-    const size_t columns = picture_.width(), rows = picture_.height();
-    const double at = place(y);
-    const size_t above = static_cast<size_t>(at), below = std::min(above + 1, rows - 1);
-    const float *const a = &band.values[(above - band.first) * columns];
-    const float *const b = &band.values[(below - band.first) * columns];
-    if (columns == width_ && rows == height_) {
-        std::copy_n(a, width_, out);
-        return;
-    }
-    const float t = static_cast<float>(at - static_cast<double>(above));
-    const size_t step = columns > 1 ? 1 : 0;
-    for (size_t x = 0; x < width_; x++) {
-        const size_t i = left_[x], j = i + step;
-        const float s = weight_[x];
-        const float upper = a[i] + s * (a[j] - a[i]), lower = b[i] + s * (b[j] - b[i]);
-        out[x] = upper + t * (lower - upper);
+    const std::array<float, 3> factor = texel(surface.emission_texture, surface.uv, at);
+    std::array<double, 3> out;
+    for (size_t c = 0; c < 3; c++)
+        out[c] = surface.emission[c] * static_cast<double>(factor[c]);
+    return out;
+}
+
+/* Under coloured light, or with light of its own, a surface has the colour X / E, X its exitance in
+ * each channel and E the illuminance that gives the luminous exitance at the surface's rho. */
+void Picture::row(size_t y, bool with_colour, Row &out) const
+{
+    size_t count, at = 0;
+    const lcor_span *const spans = lcor_view_row(view_.get(), y, &count);
+    const float *light = light_.data() + rows_[y] * channels_;
+    std::vector<lcor_place> places(width());
+    out.illuminance.resize(samples(y));
+    out.rho.resize(samples(y));
+    out.rgb.resize(with_colour ? 3 * samples(y) : 0);
+    for (size_t i = 0; i < count; i++) {
+        const Surface &surface = surfaces_[spans[i].surface];
+        const size_t n = spans[i].x1 - spans[i].x0;
+        if (with_colour || surface.emits)
+            lcor_view_places(view_.get(), y, &spans[i], spans[i].x0, n, places.data());
+        for (size_t k = 0; k < n; k++, at++, light += channels_) {
+            double e[3];
+            for (size_t c = 0; c < 3; c++)
+                e[c] = surface.ratio * static_cast<double>(light[channels_ == 3 ? c : 0]);
+            std::array<double, 3> own{};
+            if (surface.emits)
+                own = emission(surface, places[k]);
+            double all = scene_.luminance(e, static_cast<int>(channels_));
+            if (surface.emits)
+                all += scene_.luminance(own.data(), 3) / surface.rho;
+            out.illuminance[at] = static_cast<float>(all);
+            out.rho[at] = static_cast<float>(surface.rho);
+            if (!with_colour)
+                continue;
+            const std::array<float, 3> drawn = texel(surface.texture, surface.uv, places[k]);
+            for (size_t c = 0; c < 3; c++) {
+                double value = static_cast<double>(drawn[c]) *
+                               (surface.colour[0][c] + places[k].uv[0] * surface.colour[1][c] +
+                                places[k].uv[1] * surface.colour[2][c]);
+                if ((channels_ == 3 || surface.emits) && all > 0.0)
+                    value = (value * e[c] + own[c]) / all;
+                out.rgb[3 * at + c] = static_cast<float>(std::max(value, 0.0));
+            }
+        }
     }
 }
 

@@ -1,91 +1,80 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures of any size, read and written in bands of rows. */
+/* A view of a lit scene before any mapping to a device: for every visible piece of every pixel its
+ * illuminance, its reflectance and its colour. */
 #ifndef LCOR_CLI_PICTURE_H
 #define LCOR_CLI_PICTURE_H
 
-#include "cli.h"
+#include "scene.h"
+#include "texture.h"
 
-#include <OpenImageIO/imageio.h>
-
-#include <memory>
-#include <string>
-#include <vector>
+#include <lcor/view.h>
 
 namespace cli
 {
 
-/* A picture file read from top to bottom; colours are straight (not multiplied by alpha) where the
- * format can have them so. */
-class PictureReader
-{
-  public:
-    /* Exit::input when missing, broken, deep or a volume. */
-    explicit PictureReader(const std::string &path);
-    const OIIO::ImageSpec &spec() const { return input_->spec(); }
-    const std::string &path() const { return path_; }
-    size_t width() const { return static_cast<size_t>(spec().width); }
-    size_t height() const { return static_cast<size_t>(spec().height); }
-    size_t channels() const { return static_cast<size_t>(spec().nchannels); }
-    bool float_samples() const { return spec().format.is_floating_point(); }
-    /* Samples are colour times alpha. */
-    bool premultiplied() const;
-    /* Rows that the file's tiles or strips make cheap to read together, about `bytes` of them. */
-    size_t band_rows(size_t bytes) const;
-    /* Rows y0..y1-1; y0 a multiple of band_rows(), or the rows after those read last. */
-    void read(size_t y0, size_t y1, OIIO::TypeDesc type, void *out);
-
-  private:
-    std::string path_;
-    std::unique_ptr<OIIO::ImageInput> input_;
+struct ViewDeleter {
+    void operator()(lcor_view *view) const { lcor_view_free(view); }
+};
+struct FieldDeleter {
+    void operator()(lcor_field *field) const { lcor_field_free(field); }
 };
 
-/* A picture file that appears whole or not at all. */
-class PictureWriter
+/* Samples are the pieces of a row's pixels, span after span, pixel after pixel. */
+class Picture
 {
   public:
-    /* `spec` as the picture should be; what the format cannot do is changed: see spec(). */
-    PictureWriter(const std::string &path, const OIIO::ImageSpec &spec);
-    ~PictureWriter();
-    const OIIO::ImageSpec &spec() const { return output_->spec(); }
-    bool premultiplied() const { return premultiplied_; }
-    /* The next rows. With tiles, all but the last band must hold whole rows of them. */
-    void write(size_t y0, size_t y1, OIIO::TypeDesc type, const void *rows);
-    void commit();
+    /* Finds visible surfaces and their illuminance. All references must outlive the picture. */
+    Picture(const Scene &scene, const lcor_solution *solution, const lcor_camera &camera,
+            double tolerance, Threads &threads);
 
-  private:
-    OutputFile file_;
-    std::unique_ptr<OIIO::ImageOutput> output_;
-    bool premultiplied_ = false;
-};
+    size_t width() const { return camera_.size_x; }
+    size_t height() const { return camera_.size_y; }
+    const lcor_camera &camera() const { return camera_; }
+    const lcor_view *view() const { return view_.get(); }
+    const lcor_field *field() const { return field_.get(); }
+    const Scene &scene() const { return scene_; }
+    size_t samples(size_t y) const { return rows_[y + 1] - rows_[y]; }
 
-/* Illuminance on the pixel grid of a picture of another size: bilinear between pixel centres, which
- * are aligned, and constant beyond the outer ones. Read band by band, so maps may be large too. */
-class MapReader
-{
-  public:
-    /* Stored integers are linear numbers 0..1; three channels give the Y of the colour's matrix. */
-    MapReader(const std::string &path, const lcor_colour &colour, size_t width, size_t height);
-
-    /* The map's rows under rows y0..y1-1 of the picture. Bands follow each other downwards; the
-     * first row again starts over. Exit::input for values that are negative or not finite. */
-    struct Band {
-        size_t first = 0; /* map row */
-        std::vector<float> values;
+    /* What the correction works on. Emitted light counts as reflected: `illuminance` times `rho` is
+     * the whole luminous exitance [lm/m2] of the surface, and `rgb` the linear colour that has that
+     * exitance under that illuminance. Where the measured reflectance differs from the texture's
+     * (section 5.2), illuminance carries the factor. Arrays of samples(y); rgb is
+     * left empty without `with_colour`. */
+    struct Row {
+        std::vector<float> rgb, illuminance, rho;
     };
-    void read(size_t y0, size_t y1, Band &band);
-    /* Illuminance of one row of the picture within the band; any thread. */
-    void sample(const Band &band, size_t y, float *out) const;
+    void row(size_t y, bool with_colour, Row &out) const;
+
+    /* Calls task(y0, y1) for bands of rows y0..y1-1 on all threads; progress may be NULL. */
+    void each_band(const std::function<void(size_t, size_t)> &task, Progress *progress) const;
+    /* Every pixel is wholly covered by surfaces. */
+    bool opaque() const;
 
   private:
-    double place(size_t y) const; /* of picture row y among the map's rows */
-    void fetch(size_t y);
+    struct Surface { /* what a row needs of a surface */
+        const MipTexture *texture, *emission_texture;
+        double uv[3][2];
+        double colour[3][3]; /* affine over u, v; the material's factor included */
+        double emission[3];  /* exitance towards the camera */
+        bool emits;
+        double ratio, rho;   /* measured over textured reflectance (section 5.2); the textured one */
+    };
+    void prepare_textures();
+    void prepare_surfaces();
+    void light();
+    void light_row(size_t y);
+    std::array<double, 3> emission(const Surface &surface, const lcor_place &at) const;
 
-    PictureReader picture_;
-    const lcor_colour colour_;
-    const size_t width_, height_; /* of the picture */
-    std::vector<uint32_t> left_;  /* of the two map columns between which a pixel lies */
-    std::vector<float> weight_;   /* of the right one */
-    Band windows_[2];             /* rows decoded last, and those before: bands overlap */
+    const Scene &scene_;
+    lcor_camera camera_;
+    Threads &threads_;
+    std::unique_ptr<lcor_view, ViewDeleter> view_;
+    std::unique_ptr<lcor_field, FieldDeleter> field_;
+    std::vector<std::unique_ptr<MipTexture>> textures_;
+    std::vector<Surface> surfaces_;
+    std::vector<size_t> rows_;  /* first sample of each row */
+    std::vector<float> light_;  /* illuminance, `channels_` each sample */
+    size_t channels_ = 1;
 };
 
 } // namespace cli

@@ -194,6 +194,13 @@ std::string make_room(const RoomOptions &options)
 
 } // namespace
 
+std::string paper_room(int patches)
+{
+    RoomOptions room;
+    room.patches = patches;
+    return make_room(room);
+}
+
 Exit run_room(const Arguments &arguments)
 {
     RoomOptions room;

@@ -22,23 +22,23 @@ bool filter_number(const char *text, double *out);
 
 /* What one job asks for; made once, then only read. */
 typedef struct filter_job {
-    bool             correct; /* lcor-correction; false: copy */
-    bool             two_passes;
-    bool             r_mean_given;
-    double           r_mean;
+    bool correct; /* lcor-correction; false: copy */
+    bool two_passes;
+    bool r_mean_given;
+    double r_mean;
     lcor_mean_method mean_method;
-    double           contrast, rho, exponent;
-    lcor_reading     reading;
-    lcor_gamut       gamut;
-    lcor_lightness   lightness;
-    illuminance_map  map; /* width 0: the same light everywhere */
-    float           *tone_curve;
-    size_t           tone_size;
-    bool             say_pages; /* PAGE lines: no later filter counts them */
+    double contrast, rho, exponent;
+    lcor_reading reading;
+    lcor_gamut gamut;
+    lcor_lightness lightness;
+    illuminance_map map; /* width 0: the same light everywhere */
+    float *tone_curve;
+    size_t tone_size;
+    bool say_pages; /* PAGE lines: no later filter counts them */
 } filter_job;
 
-/* Settings from the job's options, then from the PPD's options and keywords. On false one ERROR line
- * was said. job_close frees what it holds. */
+/* Settings from the job's options, then from the PPD's options and keywords. On false one ERROR
+ * line was said. job_close frees what it holds. */
 bool job_open(filter_job *job, int option_count, cups_option_t *options, ppd_file_t *ppd);
 void job_close(filter_job *job);
 

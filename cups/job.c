@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "filter.h"
 
-
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -20,12 +19,18 @@
 /* Every setting: as a job option, and as an option or keyword of the PPD. */
 static const struct setting {
     const char *option, *keyword;
-} settings[] = {{"lcor-correction", "LcorCorrection"}, {"lcor-profile", "LcorProfile"},
-                {"lcor-contrast", "LcorContrast"},     {"lcor-illuminance", "LcorIlluminance"},
-                {"lcor-adaptation", "LcorAdaptation"}, {"lcor-mean", "LcorMean"},
-                {"lcor-passes", "LcorPasses"},         {"lcor-reading", "LcorReading"},
-                {"lcor-rho", "LcorRho"},               {"lcor-exponent", "LcorExponent"},
-                {"lcor-gamut", "LcorGamut"},           {"lcor-lightness", "LcorLightness"}};
+} settings[] = {{"lcor-correction", "LcorCorrection"},
+                {"lcor-profile", "LcorProfile"},
+                {"lcor-contrast", "LcorContrast"},
+                {"lcor-illuminance", "LcorIlluminance"},
+                {"lcor-adaptation", "LcorAdaptation"},
+                {"lcor-mean", "LcorMean"},
+                {"lcor-passes", "LcorPasses"},
+                {"lcor-reading", "LcorReading"},
+                {"lcor-rho", "LcorRho"},
+                {"lcor-exponent", "LcorExponent"},
+                {"lcor-gamut", "LcorGamut"},
+                {"lcor-lightness", "LcorLightness"}};
 
 typedef struct source {
     int option_count;
@@ -160,8 +165,8 @@ static bool load_profile(filter_job *job, const char *path)
     if (lcor_profile_grey_levels(profile) > 0) {
         job->tone_size = TONE_SIZE;
         job->tone_curve = malloc(TONE_SIZE * sizeof *job->tone_curve);
-        good = job->tone_curve && lcor_profile_tone_curve(profile, TONE_SIZE, job->tone_curve,
-                                                          &error) == LCOR_OK;
+        good = job->tone_curve &&
+               lcor_profile_tone_curve(profile, TONE_SIZE, job->tone_curve, &error) == LCOR_OK;
         if (!good)
             filter_say("ERROR", "lcor-profile: %s: %s", path,
                        job->tone_curve ? error.text : "no memory");

@@ -348,8 +348,9 @@ static void report(const page *p)
                (unsigned long long)sum.clipped_low, (unsigned long long)sum.clipped_high,
                (unsigned long long)sum.out_of_gamut);
     if (sum.non_finite > 0)
-        filter_say("WARNING", "page %u: the illuminance map is negative or no number under %llu "
-                              "pixels, which are black",
+        filter_say("WARNING",
+                   "page %u: the illuminance map is negative or no number under %llu "
+                   "pixels, which are black",
                    p->number, (unsigned long long)sum.non_finite);
 }
 
@@ -361,8 +362,12 @@ bool page_correct(const filter_job *job, unsigned number, const raster_format *f
         filter_say("ERROR", "page %u: no memory", number);
         return false;
     }
-    *p = (page){.job = job, .number = number, .format = format, .reader = reader,
-                .writer = writer, .spool = -1};
+    *p = (page){.job = job,
+                .number = number,
+                .format = format,
+                .reader = reader,
+                .writer = writer,
+                .spool = -1};
     set_options(p);
     const bool of_pixels = job->reading == LCOR_READING_TEXEL && !job->r_mean_given;
     const bool running = of_pixels && !job->two_passes;
@@ -373,7 +378,10 @@ bool page_correct(const filter_job *job, unsigned number, const raster_format *f
     else if (good && !running && !job->r_mean_given)
         good = mean_of_map(p);
     good = good && new_plan(p, &p->plan) &&
-           run(p, running ? fill_and_adapt : spooled ? fill_from_spool : fill_from_raster,
+           run(p,
+               running   ? fill_and_adapt
+               : spooled ? fill_from_spool
+                         : fill_from_raster,
                work_correct, empty_to_raster);
     if (good)
         report(p);
@@ -391,8 +399,8 @@ bool page_copy(unsigned number, const cups_page_header2_t *header, raster_reader
         filter_say("ERROR", "page %u: no memory", number);
         return false;
     }
-    *p = (page){.number = number, .format = &format, .reader = reader, .writer = writer,
-                .spool = -1};
+    *p = (page){
+        .number = number, .format = &format, .reader = reader, .writer = writer, .spool = -1};
     const bool good = run(p, fill_from_raster, work_nothing, empty_to_raster);
     close_page(p);
     return good;

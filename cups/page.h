@@ -6,8 +6,8 @@
 #include "filter.h"
 #include "raster.h"
 
-/* Correct the page whose header was read, into `writer` whose header was written. On false one ERROR
- * line was said. */
+/* Correct the page whose header was read, into `writer` whose header was written. On false one
+ * ERROR line was said. */
 bool page_correct(const filter_job *job, unsigned number, const raster_format *format,
                   raster_reader *reader, raster_writer *writer);
 /* The same bytes out as in. */

@@ -17,8 +17,8 @@ typedef struct belt {
     size_t slots;                 /* bands in memory: band i lies in slot i % slots */
     pipeline_band bands[PIPELINE_SLOTS_MAX];
     size_t reached[PIPELINE_SLOTS_MAX]; /* GONE * (i / slots) + stage, of band i in that slot */
-    size_t taken;              /* bands that workers have asked for */
-    size_t usable;             /* bands before the first one that failed */
+    size_t taken;                       /* bands that workers have asked for */
+    size_t usable;                      /* bands before the first one that failed */
     pthread_mutex_t lock;
     pthread_cond_t changed;
 } belt;

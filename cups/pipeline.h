@@ -9,9 +9,9 @@
 #include <stddef.h>
 
 typedef struct pipeline_band {
-    size_t         first, rows; /* rows of the page it holds */
+    size_t first, rows; /* rows of the page it holds */
     unsigned char *pixels;
-    size_t         slot;        /* 0..PIPELINE_SLOTS_MAX-1: which of the bands in memory it is */
+    size_t slot; /* 0..PIPELINE_SLOTS_MAX-1: which of the bands in memory it is */
 } pipeline_band;
 
 typedef struct pipeline {

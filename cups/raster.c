@@ -32,11 +32,8 @@ static bool colour_space(cups_cspace_t space, lcor_lightness lightness, raster_f
         format->samples = 3;
         break;
     case CUPS_CSPACE_RGB:
-    case CUPS_CSPACE_SRGB:
-        format->samples = 3;
-        break;
-    default:
-        return false;
+    case CUPS_CSPACE_SRGB: format->samples = 3; break;
+    default: return false;
     }
     return lcor_colour_init(&format->colour, primaries,
                             primaries == LCOR_PRIMARIES_CUSTOM ? adobe_rgb : NULL, transfer,
@@ -54,8 +51,9 @@ const char *raster_check(const cups_page_header2_t *header, lcor_lightness light
                  "colour space %d cannot be corrected: choose RGB, sRGB, AdobeRGB, W, sGray or K",
                  (int)header->cupsColorSpace);
     else if (header->cupsColorOrder != CUPS_ORDER_CHUNKED && !banded)
-        snprintf(text, capacity, "planar order cannot be corrected row by row: choose chunked "
-                                 "or banded order");
+        snprintf(text, capacity,
+                 "planar order cannot be corrected row by row: choose chunked "
+                 "or banded order");
     else if (bits != 8 && bits != 16)
         snprintf(text, capacity, "%u bits per colour cannot be corrected: choose 8 or 16", bits);
     else if (header->cupsWidth == 0 || header->cupsWidth > WIDTH_MAX || header->cupsHeight == 0)
@@ -128,7 +126,8 @@ const char *raster_reader_open(raster_reader *reader, cups_raster_iocb_t read, v
         return reader->seen == 0 ? "the input is empty" : "the input is no CUPS or PWG raster";
     if (memcmp(reader->sync, "UNIR", 4) == 0 || memcmp(reader->sync, "RINU", 4) == 0) {
         cupsRasterClose(reader->raster);
-        return "Apple raster has no place for the mark of a corrected page: send CUPS or PWG raster";
+        return "Apple raster has no place for the mark of a corrected page: send CUPS or PWG "
+               "raster";
     }
     return NULL;
 }

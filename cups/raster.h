@@ -12,12 +12,12 @@
 
 /* How the rows of a page lie in memory. */
 typedef struct raster_format {
-    size_t      width, height;
-    size_t      row_bytes;
-    size_t      samples;  /* a pixel: 1 (grey) or 3 */
-    bool        inverted; /* K: 0 is white */
-    lcor_sample type;     /* LCOR_U8 or LCOR_U16 */
-    lcor_layout layout;   /* of a row of three samples; grey rows are spread to RGB first */
+    size_t width, height;
+    size_t row_bytes;
+    size_t samples;     /* a pixel: 1 (grey) or 3 */
+    bool inverted;      /* K: 0 is white */
+    lcor_sample type;   /* LCOR_U8 or LCOR_U16 */
+    lcor_layout layout; /* of a row of three samples; grey rows are spread to RGB first */
     lcor_colour colour;
 } raster_format;
 
@@ -32,22 +32,22 @@ bool raster_mark(cups_page_header2_t *header); /* false: no string is free */
 
 /* A stream being read, and one being written of the same kind. */
 typedef struct raster_reader {
-    cups_raster_t     *raster;
+    cups_raster_t *raster;
     cups_raster_iocb_t read;
-    void              *context;
-    unsigned char      sync[4];
-    size_t             seen;  /* bytes of sync */
-    bool               ended; /* the stream had no more bytes */
-    size_t             since; /* bytes read since the last header was asked for */
+    void *context;
+    unsigned char sync[4];
+    size_t seen;  /* bytes of sync */
+    bool ended;   /* the stream had no more bytes */
+    size_t since; /* bytes read since the last header was asked for */
 } raster_reader;
 
 typedef struct raster_writer {
-    cups_raster_t      *raster;
-    cups_raster_iocb_t  write;
-    void               *context;
-    bool                pwg;
-    bool                replace; /* the next write is a PWG header: `header` goes out instead */
-    cups_page_header2_t header;  /* in the big-endian order of PWG raster */
+    cups_raster_t *raster;
+    cups_raster_iocb_t write;
+    void *context;
+    bool pwg;
+    bool replace;               /* the next write is a PWG header: `header` goes out instead */
+    cups_page_header2_t header; /* in the big-endian order of PWG raster */
 } raster_writer;
 
 /* NULL if the stream can be read, else why not. */

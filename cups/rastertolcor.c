@@ -3,7 +3,6 @@
  * contrast. See rastertolcor(8). */
 #include "filter.h"
 
-
 #include <errno.h>
 #include <fcntl.h>
 #include <locale.h>

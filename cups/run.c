@@ -23,8 +23,9 @@ static bool one_page(const filter_job *job, unsigned number, cups_page_header2_t
         return false;
     }
     if (correct && !raster_mark(header))
-        filter_say("WARNING", "page %u: no cupsString is free for the mark of a corrected page: do "
-                              "not send it through this filter again",
+        filter_say("WARNING",
+                   "page %u: no cupsString is free for the mark of a corrected page: do "
+                   "not send it through this filter again",
                    number);
     if (!writer->raster || !raster_write_header(writer, header)) {
         filter_say("ERROR", "page %u: the output cannot be written: %s", number, strerror(errno));
@@ -56,8 +57,9 @@ bool filter_run(const filter_job *job, cups_raster_iocb_t read, void *read_conte
             filter_say("PAGE", "%u %u", number, header.NumCopies > 0 ? header.NumCopies : 1);
     }
     if (good && (damaged || number == 0)) {
-        filter_say("ERROR", damaged ? "page %u: its header is damaged or cut short"
-                                    : "the raster has no page",
+        filter_say("ERROR",
+                   damaged ? "page %u: its header is damaged or cut short"
+                           : "the raster has no page",
                    number + 1);
         good = false;
     }

@@ -88,8 +88,8 @@ static nb::object numpy(const char *function)
 static std::string refusal(const char *name, nb::handle array, Kind kind)
 {
     const nb::object dtype = numpy("asarray")(array).attr("dtype");
-    const std::string type = nb::cast<std::string>(nb::str(dtype));
-    const std::string number = nb::cast<std::string>(nb::str(dtype.attr("kind")));
+    const std::string type = nb::str(dtype).c_str();
+    const std::string number = nb::str(dtype.attr("kind")).c_str();
     const std::string what = std::string(name) + " has samples of type " + type;
     if (kind == Kind::real || number == "f")
         return what + ": convert them, for example " + name + ".astype(numpy.float32)";

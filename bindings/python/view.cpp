@@ -38,7 +38,8 @@ struct View {
 
 std::unique_ptr<View> make_view(const Scene &scene, const Vec3 &position, const Vec3 &forward,
                                 const Vec3 &up, double fov_y, double height, double z_near,
-                                double z_far, size_t size_x, size_t size_y, bool cull_back, int lines)
+                                double z_far, size_t size_x, size_t size_y, int lines,
+                                const nb::bytes &cull_back)
 {
     lcor_camera camera = {};
     std::copy(position.begin(), position.end(), camera.position);
@@ -50,7 +51,14 @@ std::unique_ptr<View> make_view(const Scene &scene, const Vec3 &position, const 
     camera.z_far = z_far;
     camera.size_x = size_x;
     camera.size_y = size_y;
-    camera.cull_back = cull_back;
+    lcor_view_options options = {};
+    options.struct_size = sizeof options;
+    options.lines = lines;
+    if (cull_back.size()) {
+        if (cull_back.size() != lcor_scene_surface_count(scene.handle->scene))
+            throw nb::value_error("cull_back takes one flag for each surface");
+        options.cull_back = static_cast<const unsigned char *>(cull_back.data());
+    }
     auto view = std::make_unique<View>();
     view->scene = scene.handle;
     view->width = size_x;
@@ -60,7 +68,7 @@ std::unique_ptr<View> make_view(const Scene &scene, const Vec3 &position, const 
     lcor_status status;
     {
         nb::gil_scoped_release nogil;
-        status = lcor_view_new(scene.handle->scene, &camera, lines, nullptr, &view->view, &error);
+        status = lcor_view_new(scene.handle->scene, &camera, &options, &view->view, &error);
         if (status == LCOR_OK)
             view->each_span([&](size_t, const lcor_span &, size_t, size_t n) { view->pieces += n; });
     }

@@ -105,9 +105,8 @@ static int compare(const lcor_profile *old, const lcor_profile *new, double tole
     const bool density = quantity(old) == LCOR_HAS_VISUAL;
     const double d_min = density ? b.d_min - a.d_min : 0.0;
     const double d_max = density ? b.d_max - a.d_max : log10(b.contrast / a.contrast);
-    const double days = profile_created(old) < 0.0 || profile_created(new) < 0.0
-                            ? NAN
-                            : (profile_created(new) - profile_created(old)) / DAY;
+    const double then = profile_created(old), now = profile_created(new);
+    const double days = then < 0.0 || now < 0.0 ? HUGE_VAL : (now - then) / DAY; /* null in JSON */
     char x[32], y[32], c[80], d[80], t[32];
     lccal_format_number(x, sizeof x, d_min, 3);
     lccal_format_number(y, sizeof y, d_max, 3);

@@ -41,8 +41,9 @@ cal_status instrument_fail(const instrument *in, cal_status status, cal_error *e
         return cal_fail(err, status, "%s on '%s' stayed silent; is it switched on and connected?",
                         title, port);
     case CAL_GONE:
-        return cal_fail(err, status, "%s on '%s' was unplugged or switched off; connect it and "
-                                     "start again",
+        return cal_fail(err, status,
+                        "%s on '%s' was unplugged or switched off; connect it and "
+                        "start again",
                         title, port);
     case CAL_IO: return cal_fail(err, status, "the system cannot read or write '%s'", port);
     case CAL_PROTOCOL:
@@ -71,17 +72,15 @@ cal_status instrument_fail(const instrument *in, cal_status status, cal_error *e
 
 cal_status instrument_send(instrument *in, const char *command, cal_error *err)
 {
-    const cal_status status =
-        in->port->ops->write(in->port, command, strlen(command), WRITE_MS);
+    const cal_status status = in->port->ops->write(in->port, command, strlen(command), WRITE_MS);
     return status == CAL_OK ? status : instrument_fail(in, status, err);
 }
 
 cal_status instrument_fill(instrument *in, int timeout_ms)
 {
-    size_t           got = 0;
-    const cal_status status =
-        in->port->ops->read(in->port, in->buffer + in->have, sizeof in->buffer - in->have, &got,
-                            timeout_ms);
+    size_t got = 0;
+    const cal_status status = in->port->ops->read(in->port, in->buffer + in->have,
+                                                  sizeof in->buffer - in->have, &got, timeout_ms);
     in->have += got;
     return status;
 }
@@ -121,8 +120,8 @@ cal_status instrument_listen(instrument *in, int timeout_ms, reading *out, cal_e
             return instrument_fail(in, CAL_TIMEOUT, err);
         /* A line that was begun is finished soon or never: cable noise, or half a reading from
          * before this program looked. */
-        const bool       begun = in->have > 0;
-        const int        wait = begun && left > in->idle_ms ? in->idle_ms : left;
+        const bool begun = in->have > 0;
+        const int wait = begun && left > in->idle_ms ? in->idle_ms : left;
         const cal_status status = instrument_fill(in, wait);
         if (status == CAL_TIMEOUT) {
             in->noise += begun;

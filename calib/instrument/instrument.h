@@ -15,13 +15,13 @@ typedef enum reading_kind {
 /* One reading, as the instrument gave it. */
 typedef struct reading {
     reading_kind kind;
-    double       value;      /* visual density, or luminance */
-    double       step;       /* value of the last digit given; 0: more digits than matter */
-    bool         has_colour; /* density[] holds red, green and blue too */
-    double       density[3];
-    bool         has_xyz;
-    double       xyz[3];
-    bool         clamped; /* at an end of the instrument's range: the truth may lie beyond */
+    double value;    /* visual density, or luminance */
+    double step;     /* value of the last digit given; 0: more digits than matter */
+    bool has_colour; /* density[] holds red, green and blue too */
+    double density[3];
+    bool has_xyz;
+    double xyz[3];
+    bool clamped; /* at an end of the instrument's range: the truth may lie beyond */
 } reading;
 
 /* What a driver's parser makes of the bytes so far. */
@@ -43,28 +43,28 @@ enum {
 typedef enum line_decimals { DECIMALS_AUTO, DECIMALS_IMPLIED, DECIMALS_WRITTEN } line_decimals;
 
 typedef struct line_format {
-    unsigned      forms;    /* FORM_... that this instrument prints */
-    char          visual[8]; /* letters that mark the visual filter */
-    char          mode;     /* 'R' or 'T': kind of the readings where the line does not say, and the
+    unsigned forms;         /* FORM_... that this instrument prints */
+    char visual[8];         /* letters that mark the visual filter */
+    char mode;              /* 'R' or 'T': kind of the readings where the line does not say, and the
                                only one taken where it does; 0: as the line says, or reflection */
     line_decimals decimals; /* 137 is 1.37 */
-    double        scale, lowest, highest;
-    char          trigger[32]; /* sent to ask for a reading; "": the user presses */
+    double scale, lowest, highest;
+    char trigger[32]; /* sent to ask for a reading; "": the user presses */
 } line_format;
 
-typedef struct instrument        instrument;
+typedef struct instrument instrument;
 typedef struct instrument_driver instrument_driver;
 
 struct instrument_driver {
-    const char          *name; /* for --instrument */
-    const char          *title;
-    const line_settings *line;           /* NULL: not on a serial line, or the preset says */
-    bool                 on_hid;         /* else on a serial line */
-    bool                 user_triggered; /* the user presses, the instrument reports */
-    bool                 experimental;
-    const char          *how;         /* what the user does for one reading */
-    const char          *recalibrate; /* what the user does to calibrate it; NULL: nothing */
-    bool                 silent;         /* cannot say who it is: `auto` never finds it */
+    const char *name; /* for --instrument */
+    const char *title;
+    const line_settings *line; /* NULL: not on a serial line, or the preset says */
+    bool on_hid;               /* else on a serial line */
+    bool user_triggered;       /* the user presses, the instrument reports */
+    bool experimental;
+    const char *how;         /* what the user does for one reading */
+    const char *recalibrate; /* what the user does to calibrate it; NULL: nothing */
+    bool silent;             /* cannot say who it is: `auto` never finds it */
     /* Say hello, fill in the facts, set the reporting format. CAL_TIMEOUT and CAL_PROTOCOL mean
      * that it is another instrument. */
     cal_status (*identify)(instrument *in, int timeout_ms, cal_error *err);
@@ -89,37 +89,43 @@ enum { INSTRUMENT_FACTS = 24, INSTRUMENT_BUFFER = 2048 };
 
 struct instrument {
     const instrument_driver *driver;
-    const char              *preset; /* what follows NAME: in --instrument, or "" */
-    transport               *port;
-    line_format              format;
-    instrument_fact          facts[INSTRUMENT_FACTS];
-    size_t                   fact_count;
-    uint8_t                  buffer[INSTRUMENT_BUFFER]; /* bytes no parser has taken yet */
-    size_t                   have;
-    unsigned                 noise;   /* lines that were nothing we know */
-    int                      idle_ms; /* longest pause inside a line */
+    const char *preset; /* what follows NAME: in --instrument, or "" */
+    transport *port;
+    line_format format;
+    instrument_fact facts[INSTRUMENT_FACTS];
+    size_t fact_count;
+    uint8_t buffer[INSTRUMENT_BUFFER]; /* bytes no parser has taken yet */
+    size_t have;
+    unsigned noise; /* lines that were nothing we know */
+    int idle_ms;    /* longest pause inside a line */
 };
 
 /* A USB device by its numbers. */
 typedef struct usb_model {
-    unsigned    vendor, product;
+    unsigned vendor, product;
     const char *title;
     const char *driver; /* NULL: not one that lccal can use, and */
     const char *advice; /* what to do instead */
 } usb_model;
 
+extern const usb_model usb_models[];
+extern const size_t usb_model_count;
+
 /* NULL: lccal does not know it. */
 const usb_model *usb_model_find(unsigned vendor, unsigned product);
 
 extern const instrument_driver *const instrument_drivers[];
-extern const size_t                   instrument_driver_count;
+extern const size_t instrument_driver_count;
+
+/* By its name; NULL: there is none. */
+const instrument_driver *instrument_driver_find(const char *name);
 
 /* Set up `name` ("printalyzer", "line:PRESET", "auto"...) on an open port. */
 cal_status instrument_open(const char *name, transport *port, int timeout_ms, instrument *in,
                            cal_error *err);
-void       instrument_close(instrument *in); /* closes the port too */
+void instrument_close(instrument *in); /* closes the port too */
 
-void        instrument_fact_set(instrument *in, const char *key, const char *value, size_t n);
+void instrument_fact_set(instrument *in, const char *key, const char *value, size_t n);
 const char *instrument_fact_get(const instrument *in, const char *key); /* "" when unknown */
 
 /* Read and parse until a reading came: what `measure` of every user-triggered driver does. */

@@ -4,6 +4,7 @@
 #include "instrument/hughski-colorhug2/colorhug2.h"
 #include "instrument/xrite-rci/rci.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { IDLE_MS = 500 };
@@ -16,11 +17,10 @@ const instrument_driver *const instrument_drivers[] = {
 };
 const size_t instrument_driver_count = sizeof instrument_drivers / sizeof instrument_drivers[0];
 
-static const instrument_driver *find(const char *name, size_t length)
+const instrument_driver *instrument_driver_find(const char *name)
 {
     for (size_t i = 0; i < instrument_driver_count; i++)
-        if (strlen(instrument_drivers[i]->name) == length &&
-            memcmp(instrument_drivers[i]->name, name, length) == 0)
+        if (strcmp(instrument_drivers[i]->name, name) == 0)
             return instrument_drivers[i];
     return NULL;
 }
@@ -71,8 +71,10 @@ cal_status instrument_open(const char *name, transport *port, int timeout_ms, in
     in->port = port;
     if (strcmp(name, "auto") == 0)
         return set_up_any(timeout_ms, in, err);
-    const size_t             length = strcspn(name, ":");
-    const instrument_driver *driver = find(name, length);
+    char driver_name[32];
+    const size_t length = strcspn(name, ":");
+    snprintf(driver_name, sizeof driver_name, "%.*s", (int)(length < 32 ? length : 31), name);
+    const instrument_driver *driver = instrument_driver_find(driver_name);
     if (!driver)
         return cal_fail(err, CAL_UNSUPPORTED,
                         "no instrument '%s'; known: auto printalyzer line:PRESET xrite-rci "

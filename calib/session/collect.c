@@ -11,7 +11,7 @@
 
 int session_reject(const session *s, const char *format, ...)
 {
-    char    text[512];
+    char text[512];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
@@ -71,7 +71,7 @@ static int fetch(session *s, reading *out)
         if (journal_next(&s->log, out) == 'R')
             return LCCAL_OK;
     for (;;) {
-        cal_error        err;
+        cal_error err;
         const cal_status status = s->in.driver->measure(&s->in, wait_ms, out, &err);
         if (status == CAL_OK) {
             journal_reading(&s->log, out);
@@ -95,23 +95,26 @@ static int check(session *s, const patch *p, const reading *got, const lcor_prof
     if (got->kind == READING_LUMINANCE)
         return got->value > 0.0
                    ? LCCAL_OK
-                   : session_reject(s, "%s: the instrument sees no light at all; the patch is too "
-                                       "dark for it, or it is covered",
+                   : session_reject(s,
+                                    "%s: the instrument sees no light at all; the patch is too "
+                                    "dark for it, or it is covered",
                                     p->name);
     if (got->kind != s->kind)
-        return session_reject(s, "%s: a %s reading among %s ones; choose one mode at the instrument",
-                              p->name,
-                              got->kind == READING_REFLECTION ? "reflection" : "transmission",
-                              s->kind == READING_REFLECTION ? "reflection" : "transmission");
+        return session_reject(
+            s, "%s: a %s reading among %s ones; choose one mode at the instrument", p->name,
+            got->kind == READING_REFLECTION ? "reflection" : "transmission",
+            s->kind == READING_REFLECTION ? "reflection" : "transmission");
     if ((r->has & s->has) != s->has)
-        return session_reject(s, "%s: the instrument stopped sending colour densities; choose one "
-                                 "mode at the instrument",
+        return session_reject(s,
+                              "%s: the instrument stopped sending colour densities; choose one "
+                              "mode at the instrument",
                               p->name);
     if (!judge_plausible(got->value)) {
         char text[32];
         lccal_format_number(text, sizeof text, got->value, 2);
-        return session_reject(s, "%s: %s is no density of paper or film; check the instrument's "
-                                 "zero and the --instrument setting",
+        return session_reject(s,
+                              "%s: %s is no density of paper or film; check the instrument's "
+                              "zero and the --instrument setting",
                               p->name, text);
     }
     return LCCAL_OK;
@@ -121,7 +124,7 @@ static int check(session *s, const patch *p, const reading *got, const lcor_prof
  * and out of the profile where that cannot hold it. */
 static int take(session *s, patch *p, double *density)
 {
-    reading   got;
+    reading got;
     const int fetched = fetch(s, &got);
     if (fetched != LCCAL_OK)
         return fetched;
@@ -134,7 +137,7 @@ static int take(session *s, patch *p, double *density)
     const int checked = check(s, p, &got, &r);
     r.has &= s->has;
     r.rejected = checked != LCCAL_OK;
-    lcor_error       why;
+    lcor_error why;
     const lcor_status added = lcor_profile_reading_add(s->profile, &r, &why);
     if (checked != LCCAL_OK)
         return checked;
@@ -156,8 +159,8 @@ typedef struct attempt {
 
 static void announce(const session *s, const patch *p, const attempt *a, size_t wanted)
 {
-    char         text[32];
-    const bool   display = s->kind == READING_LUMINANCE;
+    char text[32];
+    const bool display = s->kind == READING_LUMINANCE;
     const double density = a->densities[a->count - 1];
     const double shown = display ? 100.0 * pow(10.0, -density) : density;
     lccal_format_number(text, sizeof text, shown, 3);
@@ -174,10 +177,10 @@ static void announce(const session *s, const patch *p, const attempt *a, size_t 
  * itself may vary, so only readings of other patches are out of place there. */
 static int settle(session *s, const patch *p, const attempt *a)
 {
-    bool          accepted[JUDGE_MAX];
-    const bool    spread = s->options->positions > 1;
+    bool accepted[JUDGE_MAX];
+    const bool spread = s->options->positions > 1;
     const verdict v = judge_patch(a->densities, a->count, accepted);
-    const bool    good = v == VERDICT_GOOD || (spread && v != VERDICT_MIXED);
+    const bool good = v == VERDICT_GOOD || (spread && v != VERDICT_MIXED);
     for (size_t i = 0; i < a->count; i++) {
         const bool left_out = !good || (!accepted[i] && !spread);
         (void)lcor_profile_reading_reject(s->profile, a->where[i], left_out, NULL);
@@ -209,7 +212,7 @@ static int settle(session *s, const patch *p, const attempt *a)
 /* How even the patch is over its positions. */
 static void report_evenness(const patch *p, const attempt *a)
 {
-    char   text[32];
+    char text[32];
     double lowest = a->densities[0], highest = a->densities[0];
     for (size_t i = 1; i < a->count; i++) {
         lowest = fmin(lowest, a->densities[i]);
@@ -230,8 +233,8 @@ int session_patch(session *s, patch *p)
         "top left",     "top centre",  "top right",     "middle left",  "centre",
         "middle right", "bottom left", "bottom centre", "bottom right",
     };
-    attempt      a;
-    const bool   spread = s->options->positions > 1;
+    attempt a;
+    const bool spread = s->options->positions > 1;
     const size_t wanted = (size_t)(spread ? s->options->positions : s->options->readings);
     a.count = 0;
     p->first = lcor_profile_count(s->profile);

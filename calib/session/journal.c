@@ -103,10 +103,10 @@ static bool parse_entry(const char *line, size_t n, double fields[FIELDS])
 char journal_next(journal *j, reading *out)
 {
     while (journal_peek(j, 0)) {
-        const char  *line = j->text + j->at;
-        const char  *end = memchr(line, '\n', j->size - j->at);
+        const char *line = j->text + j->at;
+        const char *end = memchr(line, '\n', j->size - j->at);
         const size_t n = (size_t)(end - line);
-        double       f[FIELDS];
+        double f[FIELDS];
         j->at += n + 1;
         if (n == 1 && line[0] == 'U') {
             j->entries++;
@@ -137,24 +137,23 @@ static void flush(journal *j, bool written)
     if (written && fflush(j->file) == 0 && fsync(fileno(j->file)) == 0)
         return;
     if (!j->failed)
-        lccal_warn("cannot write the journal '%s': %s; this measurement cannot be resumed",
-                   j->path, strerror(errno));
+        lccal_warn("cannot write the journal '%s': %s; this measurement cannot be resumed", j->path,
+                   strerror(errno));
     j->failed = true;
 }
 
 void journal_reading(journal *j, const reading *r)
 {
-    const double f[FIELDS] = {(double)r->kind,     r->value,       r->step,
-                              r->clamped,          r->has_colour,  r->has_xyz,
-                              r->density[0],       r->density[1],  r->density[2],
-                              r->xyz[0],           r->xyz[1],      r->xyz[2]};
+    const double f[FIELDS] = {(double)r->kind, r->value,   r->step,       r->clamped,
+                              r->has_colour,   r->has_xyz, r->density[0], r->density[1],
+                              r->density[2],   r->xyz[0],  r->xyz[1],     r->xyz[2]};
     if (!j->file)
         return;
     bool good = fputc('R', j->file) != EOF;
     for (int i = 0; i < FIELDS; i++) {
         char text[48];
-        good = good && fprintf(j->file, " %s",
-                               lccal_format_number(text, sizeof text, f[i], DIGITS)) > 0;
+        good = good &&
+               fprintf(j->file, " %s", lccal_format_number(text, sizeof text, f[i], DIGITS)) > 0;
     }
     flush(j, good && fputc('\n', j->file) != EOF);
 }

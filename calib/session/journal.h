@@ -14,12 +14,12 @@
 #include <stdio.h>
 
 typedef struct journal {
-    char  *path; /* NULL: none is kept */
-    FILE  *file;
-    char  *text; /* what is played back, or NULL */
+    char *path; /* NULL: none is kept */
+    FILE *file;
+    char *text; /* what is played back, or NULL */
     size_t at, size;
     size_t entries;
-    bool   failed; /* a write failed and the user was told */
+    bool failed; /* a write failed and the user was told */
 } journal;
 
 /* Start or, with resume, take up the journal at path (NULL: none). Failure is told to the user. */

@@ -17,7 +17,7 @@ enum { WHITE, BLACK, FIRST_STEP, AGAIN = -1, REFINE_ROUNDS = 4 };
 
 int session_ask(session *s, const patch *p)
 {
-    char       text[384];
+    char text[384];
     const bool spread = s->options->positions > 1;
     if (journal_peek(&s->log, 'R'))
         return LCCAL_OK;
@@ -43,11 +43,14 @@ int session_ask(session *s, const patch *p)
     }
     /* A reading taken before the prompt must not be taken for this patch. */
     const cal_status status = s->in.driver->discard(&s->in);
-    cal_error        err;
+    cal_error err;
     if (status != CAL_OK) {
         instrument_fail(&s->in, status, &err);
         return session_fail(&err);
     }
+    lccal_event_begin("ready"); /* readings are taken from now on */
+    lccal_event_text("patch", p->name);
+    lccal_event_end();
     return LCCAL_OK;
 }
 
@@ -55,7 +58,7 @@ int session_ask(session *s, const patch *p)
 static int swap_names(session *s)
 {
     lcor_profile *swapped;
-    lcor_error    err;
+    lcor_error err;
     if (lcor_profile_new(NULL, &swapped, &err) != LCOR_OK)
         return lccal_fail(LCCAL_FAILED, "%s", err.text);
     for (size_t i = 0; i < lcor_profile_count(s->profile); i++) {
@@ -101,8 +104,9 @@ int session_check_step(session *s, size_t i)
     const double black = session_patch_density(s, &s->patches[BLACK]);
     if (here > before && here < black)
         return LCCAL_OK;
-    return session_reject(s, "%s does not lie between '%s' and black; read the steps from light to "
-                             "dark",
+    return session_reject(s,
+                          "%s does not lie between '%s' and black; read the steps from light to "
+                          "dark",
                           s->patches[i].name, s->patches[lighter].name);
 }
 
@@ -111,10 +115,10 @@ int session_refine(session *s)
     patch extra[2] = {s->patches[WHITE], s->patches[BLACK]};
     for (int round = 0; s->options->precision > 0.0; round++) {
         lcor_profile_result r;
-        lcor_error          err;
+        lcor_error err;
         if (lcor_profile_evaluate(s->profile, &r, &err) != LCOR_OK)
             return lccal_fail(LCCAL_REJECTED, "%s", err.text);
-        char         text[32];
+        char text[32];
         const double percent = 100.0 * r.contrast_u95 / r.contrast;
         lccal_format_number(text, sizeof text, percent, 2);
         if (percent <= s->options->precision)
@@ -125,7 +129,7 @@ int session_refine(session *s)
             return LCCAL_OK;
         }
         lccal_say("The contrast is known to %s %% so far; more readings.", text);
-        patch    *p = &extra[r.u_max > r.u_min ? BLACK : WHITE];
+        patch *p = &extra[r.u_max > r.u_min ? BLACK : WHITE];
         const int result = session_ask(s, p);
         if (result != LCCAL_OK && result != AGAIN)
             return result;
@@ -149,7 +153,7 @@ static int follow_up(session *s, size_t i)
 static int run(session *s)
 {
     for (size_t i = 0; i < s->patch_count;) {
-        patch    *p = &s->patches[i];
+        patch *p = &s->patches[i];
         const int asked = session_ask(s, p);
         if (asked == AGAIN) {
             i -= i > 0;
@@ -190,10 +194,10 @@ static void plan_patches(session *s)
 
 static int provenance(session *s)
 {
-    char         text[256], created[32];
-    const char  *source = "reflection density, visual";
+    char text[256], created[32];
+    const char *source = "reflection density, visual";
     const time_t now = time(NULL);
-    struct tm    utc;
+    struct tm utc;
     switch (s->kind) {
     case READING_REFLECTION: break;
     case READING_TRANSMISSION: source = "transmission density, visual"; break;
@@ -221,7 +225,7 @@ static int start_journal(session *s)
 
 int lccal_measure(const lccal_measure_options *options, lcor_profile **out)
 {
-    session    s;
+    session s;
     lcor_error err;
     interrupt_install();
     int result = session_open(&s, options);

@@ -27,8 +27,8 @@ int session_fail(const cal_error *err)
 
 void session_describe(const instrument *in, char *text, size_t capacity)
 {
-    const char *maker = instrument_fact_get(in, "maker");
     const char *model = instrument_fact_get(in, "model");
+    const char *maker = *model ? instrument_fact_get(in, "maker") : "";
     const char *serial = instrument_fact_get(in, "serial");
     const char *firmware = instrument_fact_get(in, "firmware");
     snprintf(text, capacity, "%s%s%s%s%s%s%s", maker, *maker ? " " : "",
@@ -57,7 +57,7 @@ int session_open(session *s, const lccal_measure_options *options)
 {
     memset(s, 0, sizeof *s);
     s->options = options;
-    cal_error  err;
+    cal_error err;
     transport *port;
     cal_status status = transport_open(options->port, &port, &err);
     if (status == CAL_OK && options->record)

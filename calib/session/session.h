@@ -11,7 +11,7 @@ enum { PATCHES_MAX = 66, POSITIONS_MAX = 9 };
 
 /* A patch to be measured. */
 typedef struct patch {
-    char   name[24];
+    char name[24];
     double level; /* 0 black .. 255 white */
     size_t first; /* the last attempt's readings are first .. first + count - 1 of the profile, */
     size_t count; /* with the rejected ones among them */
@@ -19,14 +19,14 @@ typedef struct patch {
 
 typedef struct session {
     const lccal_measure_options *options;
-    instrument                   in;
-    lcor_profile                *profile; /* every reading, rejected ones marked */
-    journal                      log;
-    double                       step; /* coarsest resolution seen */
-    reading_kind                 kind; /* of the first reading */
-    unsigned                     has;  /* what the first reading held; all must hold the same */
-    patch                        patches[PATCHES_MAX]; /* white, black, then the grey steps */
-    size_t                       patch_count;
+    instrument in;
+    lcor_profile *profile; /* every reading, rejected ones marked */
+    journal log;
+    double step;                /* coarsest resolution seen */
+    reading_kind kind;          /* of the first reading */
+    unsigned has;               /* what the first reading held; all must hold the same */
+    patch patches[PATCHES_MAX]; /* white, black, then the grey steps */
+    size_t patch_count;
 } session;
 
 /* Exit code for a failed call below this floor, after telling the user. */

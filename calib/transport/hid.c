@@ -20,7 +20,7 @@
 enum { REPORT_MAX = 64, SLICE_MS = 50 };
 
 typedef struct hid {
-    transport   base;
+    transport base;
     hid_device *device;
 } hid;
 
@@ -34,7 +34,7 @@ static int64_t now_ms(transport *t)
 
 static cal_status hid_port_write(transport *t, const void *bytes, size_t n, int timeout_ms)
 {
-    hid          *h = (hid *)t;
+    hid *h = (hid *)t;
     unsigned char report[1 + REPORT_MAX] = {0};
     (void)timeout_ms; /* hidraw queues the report in the kernel and returns */
     if (n > REPORT_MAX)
@@ -48,7 +48,7 @@ static cal_status hid_port_write(transport *t, const void *bytes, size_t n, int 
 static cal_status hid_port_read(transport *t, void *bytes, size_t capacity, size_t *got,
                                 int timeout_ms)
 {
-    hid          *h = (hid *)t;
+    hid *h = (hid *)t;
     const int64_t deadline = now_ms(t) + timeout_ms;
     *got = 0;
     for (;;) {
@@ -101,8 +101,8 @@ static bool parse_hex4(const char *text, unsigned short *out)
     unsigned value = 0;
     for (int i = 0; i < 4; i++) {
         static const char digits[] = "0123456789abcdef";
-        const char        lower = (char)(text[i] | 0x20);
-        const char       *at = text[i] ? strchr(digits, lower) : NULL;
+        const char lower = (char)(text[i] | 0x20);
+        const char *at = text[i] ? strchr(digits, lower) : NULL;
         if (!at || !*at)
             return false;
         value = value << 4 | (unsigned)(at - digits);
@@ -115,14 +115,14 @@ static bool parse_hex4(const char *text, unsigned short *out)
 static cal_status find_node(const char *port, char *node, size_t capacity, cal_error *err)
 {
     unsigned short vendor, product;
-    const char    *ids = port + 4;
+    const char *ids = port + 4;
     if (strlen(ids) < 9 || !parse_hex4(ids, &vendor) || ids[4] != ':' ||
         !parse_hex4(ids + 5, &product) || (ids[9] != '\0' && ids[9] != ':'))
         return cal_fail(err, CAL_NO_DEVICE,
                         "'%s' should be hid:VID:PID[:SERIAL] with four hex digits each", port);
-    const char             *serial = ids[9] ? ids + 10 : "";
+    const char *serial = ids[9] ? ids + 10 : "";
     struct hid_device_info *all = hid_enumerate(vendor, product);
-    const char             *found = NULL;
+    const char *found = NULL;
     for (const struct hid_device_info *d = all; d && !found; d = d->next) {
         char name[128];
         if (!d->serial_number || wcstombs(name, d->serial_number, sizeof name) >= sizeof name)
@@ -155,7 +155,7 @@ static cal_status check_access(const char *node, cal_error *err)
 
 cal_status hid_open_port(const char *port, transport **out, cal_error *err)
 {
-    char       node[96];
+    char node[96];
     cal_status status = CAL_OK;
     if (hid_init() != 0)
         return cal_fail(err, CAL_UNSUPPORTED, "the system's USB HID support does not start");

@@ -11,13 +11,13 @@
 
 /* A signal handler has nothing but globals to speak through. */
 static volatile sig_atomic_t pending;
-static int                   pipe_ends[2] = {-1, -1};
+static int pipe_ends[2] = {-1, -1};
 
 static void on_signal(int number)
 {
     (void)number;
-    const int     error = errno;
-    const char    byte = 0;
+    const int error = errno;
+    const char byte = 0;
     const ssize_t n = write(pipe_ends[1], &byte, 1);
     (void)n; /* a full pipe is readable already */
     pending = 1;
@@ -39,7 +39,10 @@ void interrupt_install(void)
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
     sigaction(SIGHUP, &action, NULL);
+    /* A file grown past the user's limit is an error like a full disk, not an end by signal. */
+    action.sa_handler = SIG_IGN;
+    sigaction(SIGXFSZ, &action, NULL);
 }
 
 bool interrupt_pending(void) { return pending != 0; }
-int  interrupt_fd(void) { return pipe_ends[0]; }
+int interrupt_fd(void) { return pipe_ends[0]; }

@@ -77,12 +77,11 @@ static bool find_usb(const char *class_folder, const char *name, port_info *out)
 static size_t scan_class(const char *class_folder, port_info *out, size_t capacity)
 {
     size_t count = 0;
-    DIR   *dir = opendir(class_folder);
+    DIR *dir = opendir(class_folder);
     for (struct dirent *e = dir ? readdir(dir) : NULL; e && count < capacity; e = readdir(dir)) {
         port_info *p = &out[count];
         memset(p, 0, sizeof *p);
-        if (e->d_name[0] == '.' || strlen(e->d_name) > 32 ||
-            !find_usb(class_folder, e->d_name, p))
+        if (e->d_name[0] == '.' || strlen(e->d_name) > 32 || !find_usb(class_folder, e->d_name, p))
             continue;
         snprintf(p->path, sizeof p->path, "/dev/%.32s", e->d_name);
         count++;
@@ -109,13 +108,13 @@ static bool has_port(const port_info *ports, size_t count, const port_info *devi
 size_t ports_scan(port_info *out, size_t capacity)
 {
     static const char usb[] = "/sys/bus/usb/devices";
-    size_t            count = scan_class("/sys/class/tty", out, capacity);
+    size_t count = scan_class("/sys/class/tty", out, capacity);
     count += scan_class("/sys/class/hidraw", out + count, capacity - count);
     qsort(out, count, sizeof *out, by_path);
     const size_t with_port = count;
-    DIR         *dir = opendir(usb);
+    DIR *dir = opendir(usb);
     for (struct dirent *e = dir ? readdir(dir) : NULL; e && count < capacity; e = readdir(dir)) {
-        char       folder[PATH_MAX];
+        char folder[PATH_MAX];
         port_info *p = &out[count];
         memset(p, 0, sizeof *p);
         if (e->d_name[0] == '.' ||

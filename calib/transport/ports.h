@@ -7,10 +7,10 @@
 #include <stddef.h>
 
 typedef struct port_info {
-    char     path[64]; /* /dev/ttyACM0, /dev/hidraw3; "" for a USB device without a port */
+    char path[64]; /* /dev/ttyACM0, /dev/hidraw3; "" for a USB device without a port */
     unsigned vendor, product;
-    char     serial[64];
-    char     title[96]; /* maker and product as the device says */
+    char serial[64];
+    char title[96]; /* maker and product as the device says */
 } port_info;
 
 /* Serial ports and HID devices on USB, then USB devices that have neither. Returns how many, at

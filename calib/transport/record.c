@@ -7,11 +7,11 @@
 #include <string.h>
 
 typedef struct recorder {
-    transport     base;
+    transport base;
     transport_ops ops; /* the inner port's, with write, read and close replaced */
-    transport    *inner;
-    FILE         *file;
-    int64_t       last; /* when the last line was written */
+    transport *inner;
+    FILE *file;
+    int64_t last; /* when the last line was written */
 } recorder;
 
 static void note(recorder *r, char letter, const uint8_t *bytes, size_t n)
@@ -33,7 +33,7 @@ static void note(recorder *r, char letter, const uint8_t *bytes, size_t n)
 
 static cal_status record_write(transport *t, const void *bytes, size_t n, int timeout_ms)
 {
-    recorder        *r = (recorder *)t;
+    recorder *r = (recorder *)t;
     const cal_status status = r->inner->ops->write(r->inner, bytes, n, timeout_ms);
     if (status == CAL_OK)
         note(r, 'w', bytes, n);
@@ -43,7 +43,7 @@ static cal_status record_write(transport *t, const void *bytes, size_t n, int ti
 static cal_status record_read(transport *t, void *bytes, size_t capacity, size_t *got,
                               int timeout_ms)
 {
-    recorder        *r = (recorder *)t;
+    recorder *r = (recorder *)t;
     const cal_status status = r->inner->ops->read(r->inner, bytes, capacity, got, timeout_ms);
     if (status == CAL_OK)
         note(r, 'r', bytes, *got);
@@ -87,7 +87,7 @@ static void record_close(transport *t)
 cal_status record_open(transport *inner, const char *path, transport **out, cal_error *err)
 {
     recorder *r = calloc(1, sizeof *r);
-    FILE     *file = r ? fopen(path, "wb") : NULL;
+    FILE *file = r ? fopen(path, "wb") : NULL;
     if (!file) {
         inner->ops->close(inner);
         free(r);

@@ -9,7 +9,7 @@
  *
  * ^@ to ^_ are the bytes 0 to 31 and ^` is the character ^; all other bytes stand for themselves.
  * Time is the script's own, so a replay of minutes takes no time. */
-#include "lccal.h"
+#include "number.h"
 #include "transport/transport.h"
 
 #include <stdio.h>
@@ -19,19 +19,19 @@
 typedef enum step_kind { STEP_WRITE, STEP_READ, STEP_HANG_UP } step_kind;
 
 typedef struct step {
-    step_kind      kind;
-    int            delay_ms;
-    size_t         size;
+    step_kind kind;
+    int delay_ms;
+    size_t size;
     unsigned char *bytes; /* inside script.bytes */
 } step;
 
 typedef struct script {
-    transport      base;
-    step          *steps;
-    size_t         count, next;
-    size_t         done; /* bytes of the next step already said or heard */
-    int64_t        now;
-    int64_t        ready; /* when the next answer starts its delay */
+    transport base;
+    step *steps;
+    size_t count, next;
+    size_t done; /* bytes of the next step already said or heard */
+    int64_t now;
+    int64_t ready; /* when the next answer starts its delay */
     unsigned char *bytes;
 } script;
 
@@ -47,7 +47,7 @@ static void finish_step(script *s)
 static cal_status script_read(transport *t, void *bytes, size_t capacity, size_t *got,
                               int timeout_ms)
 {
-    script       *s = (script *)t;
+    script *s = (script *)t;
     const int64_t deadline = s->now + timeout_ms;
     *got = 0;
     const step *now = s->next < s->count ? &s->steps[s->next] : NULL;
@@ -78,7 +78,7 @@ static cal_status script_read(transport *t, void *bytes, size_t capacity, size_t
  * are lost. What is written must be what was recorded, in as many pieces as the program likes. */
 static cal_status script_write(transport *t, const void *bytes, size_t n, int timeout_ms)
 {
-    script     *s = (script *)t;
+    script *s = (script *)t;
     const char *from = bytes;
     (void)timeout_ms;
     while (s->next < s->count && s->steps[s->next].kind == STEP_READ)
@@ -146,7 +146,7 @@ static size_t decode(unsigned char *text, size_t n)
 static bool parse_step(unsigned char *line, size_t n, step *out)
 {
     static const char letters[] = "wrh";
-    const char       *letter = n >= 2 && line[1] == ' ' ? strchr(letters, line[0]) : NULL;
+    const char *letter = n >= 2 && line[1] == ' ' ? strchr(letters, line[0]) : NULL;
     if (!letter || line[0] == '\0')
         return false;
     size_t end = 2;
@@ -165,7 +165,7 @@ static bool parse_step(unsigned char *line, size_t n, step *out)
 cal_status script_open_text(const char *text, size_t size, transport **out, cal_error *err)
 {
     cal_status status = CAL_NO_MEMORY;
-    size_t     lines = 1, number = 0;
+    size_t lines = 1, number = 0;
     for (size_t i = 0; i < size; i++)
         lines += text[i] == '\n';
     script *s = calloc(1, sizeof *s);
@@ -184,7 +184,7 @@ cal_status script_open_text(const char *text, size_t size, transport **out, cal_
         while (end < size && s->bytes[end] != '\n')
             end++;
         unsigned char *line = s->bytes + start;
-        const size_t   n = end - start;
+        const size_t n = end - start;
         start = end + 1;
         number++;
         if (n == 0 || line[0] == '#' || (line[0] == 'd' && n > 1 && line[1] == ' '))
@@ -210,12 +210,12 @@ cal_status script_open(const char *path, transport **out, cal_error *err)
     if (!file)
         return cal_fail(err, CAL_NO_DEVICE, "cannot read the script '%s'", path);
     enum { LIMIT = 4 << 20 };
-    char        *text = malloc(LIMIT);
+    char *text = malloc(LIMIT);
     const size_t size = text ? fread(text, 1, LIMIT, file) : 0;
     fclose(file);
-    const cal_status status = text && size < LIMIT ? script_open_text(text, size, out, err)
-                                                   : cal_fail(err, CAL_NO_DEVICE,
-                                                              "the script '%s' is too large", path);
+    const cal_status status =
+        text && size < LIMIT ? script_open_text(text, size, out, err)
+                             : cal_fail(err, CAL_NO_DEVICE, "the script '%s' is too large", path);
     free(text);
     if (status == CAL_OK)
         snprintf((*out)->name, sizeof(*out)->name, "script:%s", path);

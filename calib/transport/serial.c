@@ -17,9 +17,9 @@
 #include <unistd.h>
 
 typedef struct serial {
-    transport      base;
-    int            fd;
-    bool           strip; /* bit 7 is the parity bit of a 7-bit frame read as 8N1 */
+    transport base;
+    int fd;
+    bool strip; /* bit 7 is the parity bit of a 7-bit frame read as 8N1 */
     struct termios before;
 } serial;
 
@@ -56,7 +56,7 @@ static cal_status wait_for(serial *s, short events, int timeout_ms)
 static cal_status serial_read(transport *t, void *bytes, size_t capacity, size_t *got,
                               int timeout_ms)
 {
-    serial       *s = (serial *)t;
+    serial *s = (serial *)t;
     const int64_t deadline = now_ms(t) + timeout_ms;
     *got = 0;
     for (;;) {
@@ -80,8 +80,8 @@ static cal_status serial_read(transport *t, void *bytes, size_t capacity, size_t
 
 static cal_status serial_write(transport *t, const void *bytes, size_t n, int timeout_ms)
 {
-    serial       *s = (serial *)t;
-    const char   *next = bytes;
+    serial *s = (serial *)t;
+    const char *next = bytes;
     const int64_t deadline = now_ms(t) + timeout_ms;
     while (n > 0) {
         const cal_status status = wait_for(s, POLLOUT, transport_left(t, deadline));
@@ -101,10 +101,10 @@ static cal_status serial_write(transport *t, const void *bytes, size_t n, int ti
 static bool speed_of(int baud, speed_t *speed)
 {
     static const struct {
-        int     baud;
+        int baud;
         speed_t speed;
-    } table[] = {{110, B110},     {300, B300},     {600, B600},    {1200, B1200},
-                 {2400, B2400},   {4800, B4800},   {9600, B9600},  {19200, B19200},
+    } table[] = {{110, B110},     {300, B300},     {600, B600},      {1200, B1200},
+                 {2400, B2400},   {4800, B4800},   {9600, B9600},    {19200, B19200},
                  {38400, B38400}, {57600, B57600}, {115200, B115200}};
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
         if (table[i].baud == baud) {
@@ -117,8 +117,8 @@ static bool speed_of(int baud, speed_t *speed)
 
 static cal_status serial_configure(transport *t, const line_settings *line)
 {
-    serial        *s = (serial *)t;
-    speed_t        speed;
+    serial *s = (serial *)t;
+    speed_t speed;
     struct termios tio;
     if (!speed_of(line->baud, &speed))
         return CAL_UNSUPPORTED;
@@ -203,14 +203,15 @@ cal_status serial_open(const char *path, transport **out, cal_error *err)
     if (fd < 0)
         return open_failure(path, errno, err);
     cal_status status;
-    serial    *s = calloc(1, sizeof *s);
+    serial *s = calloc(1, sizeof *s);
     if (!s) {
         status = cal_fail(err, CAL_NO_MEMORY, "out of memory");
         goto failed;
     }
     if (tcgetattr(fd, &s->before) != 0) {
-        status = cal_fail(err, CAL_NO_DEVICE,
-                          "'%s' is not a serial port; `lccal list` shows the ports there are", path);
+        status =
+            cal_fail(err, CAL_NO_DEVICE,
+                     "'%s' is not a serial port; `lccal list` shows the ports there are", path);
         goto failed;
     }
     /* TIOCEXCL does not stop root, and programs that open by hand do not look at locks: take both.

@@ -49,8 +49,8 @@ cal_status transport_drain(transport *t, int quiet_ms, int limit_ms)
 {
     const int64_t deadline = t->ops->now_ms(t) + limit_ms;
     for (;;) {
-        char      waste[256];
-        size_t    got;
+        char waste[256];
+        size_t got;
         const int left = transport_left(t, deadline);
         const cal_status status =
             t->ops->read(t, waste, sizeof waste, &got, left < quiet_ms ? left : quiet_ms);

@@ -26,7 +26,7 @@ typedef enum cal_status {
 /* Detail of a failure, owned by the caller; `text` is one line without the program's name. */
 typedef struct cal_error {
     cal_status status;
-    char       text[224];
+    char text[224];
 } cal_error;
 
 /* Fill *err (may be NULL) and return status. */
@@ -35,28 +35,28 @@ cal_status cal_fail(cal_error *err, cal_status status, const char *format, ...);
 typedef enum line_flow { FLOW_NONE, FLOW_XONXOFF, FLOW_RTSCTS } line_flow;
 
 typedef struct line_settings {
-    int       baud;
-    int       data_bits; /* 7 or 8 */
-    char      parity;    /* N, E, O, S(pace), M(ark) */
-    int       stop_bits; /* 1 or 2 */
+    int baud;
+    int data_bits; /* 7 or 8 */
+    char parity;   /* N, E, O, S(pace), M(ark) */
+    int stop_bits; /* 1 or 2 */
     line_flow flow;
-    bool      dtr_off, rts_off; /* both are asserted unless told otherwise */
+    bool dtr_off, rts_off; /* both are asserted unless told otherwise */
 } line_settings;
 
 /* "8N1", "7E1"... into data_bits, parity and stop_bits. */
 bool line_frame_parse(const char *text, line_settings *out);
 
-typedef struct transport     transport;
+typedef struct transport transport;
 typedef struct transport_ops transport_ops;
 
 struct transport {
     const transport_ops *ops;
-    char                 name[96]; /* what --port said */
+    char name[96]; /* what --port said */
 };
 
 struct transport_ops {
-    const char *scheme;   /* "serial", "hid", "script" */
-    bool        messages; /* keeps message borders (HID reports) */
+    const char *scheme; /* "serial", "hid", "script" */
+    bool messages;      /* keeps message borders (HID reports) */
     /* Baud rate, frame and control lines; NULL where the port has none. */
     cal_status (*configure)(transport *t, const line_settings *line);
     /* All n bytes, or an error. */

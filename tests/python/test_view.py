@@ -15,7 +15,7 @@ def scene():
 
 @pytest.fixture
 def camera():
-    return lcor.Camera.look((0, 0, 5), (0, 0, 0), up=(0, 1, 0), size=(64, 48), fov_y=0.6)
+    return lcor.Camera.look((0, 0, 5), (0, 0, 0), up=(0, 1, 0), size=(64, 48), fov_y=0.5)
 
 
 def test_pieces_cover_the_picture(scene, camera):
@@ -29,7 +29,7 @@ def test_places_agree_with_rays(scene, camera):
     view = lcor.View(scene, camera)
     whole = np.flatnonzero(view.coverage == 1)[::97]
     forward, up, right = np.array([0, 0, -1.0]), np.array([0, 1.0, 0]), np.array([1.0, 0, 0])
-    half = np.tan(0.3)
+    half = np.tan(0.25)
     for i in whole:
         x = (2 * (view.x[i] + 0.5) / 64 - 1) * half * 64 / 48
         y = (1 - 2 * (view.y[i] + 0.5) / 48) * half
@@ -77,3 +77,12 @@ def test_bad_cameras_are_refused(scene):
         lcor.View(scene, lcor.Camera((0, 0, 5), (0, 0, 0)))
     with pytest.raises(ValueError, match="takes 3 numbers"):
         lcor.View(scene, lcor.Camera((0, 0), (0, 0, -1)))
+
+
+def test_backs_are_culled_on_request(scene, camera):
+    below = lcor.Camera.look((0, 0, -5), (0, 0, 0), up=(0, 1, 0), size=(8, 6), fov_y=0.2)
+    assert len(lcor.View(scene, below)) >= 48
+    assert len(lcor.View(scene, below, cull_back=True)) == 0
+    assert set(lcor.View(scene, below, cull_back=[True, False]).surface) == {1}
+    with pytest.raises(ValueError, match="one flag for each surface"):
+        lcor.View(scene, camera, cull_back=[True])

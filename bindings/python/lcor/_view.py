@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,8 +33,6 @@ class Camera:
         Orthographic: height of the picture in scene units.
     z_near, z_far
         Clip distances along forward; 0 for none.
-    cull_back
-        Surfaces are not seen from behind: a look into a room through its wall.
 
     Examples
     --------
@@ -51,7 +50,6 @@ class Camera:
     height: float = 0.0
     z_near: float = 0.0
     z_far: float = 0.0
-    cull_back: bool = False
 
     @classmethod
     def look(cls, position: Vector, at: Vector, **options: Any) -> Camera:
@@ -75,6 +73,9 @@ class View:
         What to see.
     lines
         Scan lines a pixel row, 1..64: coverage is exact along x, averaged over them along y.
+    cull_back
+        True: surfaces are seen from their facing side only, as when one looks into a room from
+        outside; or one flag for each surface.
 
     Raises
     ------
@@ -96,8 +97,15 @@ class View:
     (6, 8)
     """
 
-    def __init__(self, scene: Scene, camera: Camera, lines: int = 8) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        camera: Camera,
+        lines: int = 8,
+        cull_back: bool | Sequence[bool] = False,
+    ) -> None:
         scene.commit()
+        flags = [cull_back] * scene.surface_count if isinstance(cull_back, bool) else cull_back
         width, height = camera.size
         self._core = _core.make_view(
             scene._core,
@@ -110,8 +118,8 @@ class View:
             camera.z_far,
             width,
             height,
-            camera.cull_back,
             lines,
+            bytes(map(bool, flags)),
         )
         self.size = (width, height)
         pixel, surface, coverage, uv, du, dv, depth = self._core.pieces()

@@ -6,7 +6,7 @@
  * significant digit first. Readings may arrive between a command and its reply. Calibration
  * (S C, I C) and storage (ID WIPE) commands are never sent. */
 #include "instrument/dektronics-printalyzer/printalyzer.h"
-#include "lccal.h"
+#include "number.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -33,7 +33,7 @@ static bool parse_hex_float(const uint8_t *text, float *out)
 /* The extended part: ",d,zero,raw[,corr]" after the displayed density. */
 static bool parse_extended(const uint8_t *text, size_t n, double displayed, double *density)
 {
-    float        fields[4];
+    float fields[4];
     const size_t count = n / (HEX_LENGTH + 1);
     if (n % (HEX_LENGTH + 1) != 0 || count < 3 || count > 4)
         return false;
@@ -78,7 +78,7 @@ static bool parse_line(const uint8_t *text, size_t n, reading *out)
 parse_result printalyzer_parse(const line_format *format, const uint8_t *bytes, size_t n,
                                size_t *used, reading *out)
 {
-    size_t             start, length;
+    size_t start, length;
     const parse_result line = line_split(bytes, n, &start, &length, used);
     (void)format;
     if (line != PARSE_OK)
@@ -86,26 +86,35 @@ parse_result printalyzer_parse(const line_format *format, const uint8_t *bytes, 
     return parse_line(bytes + start, length, out) ? PARSE_OK : PARSE_BAD;
 }
 
+static bool is_printable(const uint8_t *bytes, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (bytes[i] < 0x20 || bytes[i] > 0x7E)
+            return false;
+    return true;
+}
+
 /* Take the reply to `command` out of the buffer, leaving readings where they are and dropping
  * everything else (log lines, answers to other commands). False: it is not there yet. */
 static bool take_reply(instrument *in, const char *command, char *reply, size_t capacity)
 {
     const size_t asked = strlen(command);
-    size_t       at = 0;
+    size_t at = 0;
     for (;;) {
-        size_t             start, length, used;
-        const uint8_t     *bytes = in->buffer + at;
+        size_t start, length, used;
+        const uint8_t *bytes = in->buffer + at;
         const parse_result line = line_split(bytes, in->have - at, &start, &length, &used);
         if (line == PARSE_MORE)
             return false;
-        reading    unused;
+        reading unused;
         const bool is_line = line == PARSE_OK;
         if (is_line && parse_line(bytes + start, length, &unused)) {
             at += used;
             continue;
         }
         const bool found = is_line && length > asked && bytes[start + asked] == ',' &&
-                           memcmp(bytes + start, command, asked) == 0;
+                           memcmp(bytes + start, command, asked) == 0 &&
+                           is_printable(bytes + start, length);
         if (found) {
             size_t size = length - asked - 1;
             size = size < capacity ? size : capacity - 1;
@@ -148,8 +157,8 @@ static cal_status ask(instrument *in, const char *command, const char *argument,
     return cal_fail(err, in->noise ? CAL_PROTOCOL : CAL_TIMEOUT,
                     "'%s' %s `%s` of a Printalyzer within %d ms (%d tries); is it switched on, and "
                     "--instrument right?",
-                    in->port->name, in->noise ? "sends other things and does not answer"
-                                              : "does not answer",
+                    in->port->name,
+                    in->noise ? "sends other things and does not answer" : "does not answer",
                     command, wait, TRIES);
 }
 
@@ -175,10 +184,15 @@ static size_t field_of(const char *reply, int index, const char **start)
 
 static void fact_from(instrument *in, const char *key, const char *reply, int index)
 {
-    const char  *text;
+    const char *text;
     const size_t n = field_of(reply, index, &text);
     if (n > 0)
         instrument_fact_set(in, key, text, n);
+}
+
+static bool is_refusal(const char *reply)
+{
+    return strcmp(reply, "NAK") == 0 || strcmp(reply, "ERR") == 0;
 }
 
 /* "0.0800/0.3201 2.1100/0.0123": two targets, each density / count. False: not calibrated. */
@@ -186,7 +200,7 @@ static bool calibration_fact(instrument *in, const char *key, const char *reply)
 {
     float values[4];
     for (int i = 0; i < 4; i++) {
-        const char  *text;
+        const char *text;
         const size_t n = field_of(reply, i, &text);
         if (n != HEX_LENGTH || !parse_hex_float((const uint8_t *)text, &values[i]) ||
             !isfinite(values[i]))
@@ -208,13 +222,13 @@ static cal_status interview(instrument *in, int timeout_ms, cal_error *err)
 {
     static const struct {
         const char *command, *key;
-        int         index;
+        int index;
     } questions[] = {{"GS UID", "serial", 0},
                      {"GS B", "build", 0},
                      {"GS B", "build_describe", 1},
                      {"GS B", "build_checksum", 2},
                      {"GS ISEN", "temperature", 1}};
-    char        reply[160];
+    char reply[160];
     const char *asked = "";
     for (size_t i = 0; i < sizeof questions / sizeof questions[0]; i++) {
         if (strcmp(asked, questions[i].command) != 0) {
@@ -225,29 +239,33 @@ static cal_status interview(instrument *in, int timeout_ms, cal_error *err)
             if (status != CAL_OK)
                 return instrument_fail(in, status, err);
         }
-        if (strcmp(reply, "NAK") != 0 && strcmp(reply, "ERR") != 0)
+        if (!is_refusal(reply))
             fact_from(in, questions[i].key, reply, questions[i].index);
     }
-    bool calibrated = false;
+    bool uncalibrated = true;
     for (int transmission = 0; transmission < 2; transmission++) {
-        const char      *command = transmission ? "GC TRAN" : "GC REFL";
+        const char *command = transmission ? "GC TRAN" : "GC REFL";
         const cal_status status = ask(in, command, "", timeout_ms, reply, sizeof reply, NULL);
         if (status != CAL_OK)
             return status == CAL_TIMEOUT || status == CAL_PROTOCOL
                        ? CAL_OK
                        : instrument_fail(in, status, err);
+        if (is_refusal(reply)) {
+            uncalibrated = false; /* it does not tell */
+            continue;
+        }
         const char *key = transmission ? "calibration_transmission" : "calibration_reflection";
         if (calibration_fact(in, key, reply))
-            calibrated = true;
+            uncalibrated = false;
         else
             instrument_fact_set(in, key, "none", 4);
     }
-    return calibrated ? CAL_OK : instrument_fail(in, CAL_CALIBRATE, err);
+    return uncalibrated ? instrument_fail(in, CAL_CALIBRATE, err) : CAL_OK;
 }
 
 static cal_status identify(instrument *in, int timeout_ms, cal_error *err)
 {
-    char       reply[160];
+    char reply[160];
     cal_status status = ask(in, "GS V", "", timeout_ms, reply, sizeof reply, err);
     if (status != CAL_OK)
         return status;
@@ -286,8 +304,9 @@ const instrument_driver printalyzer_driver = {
     .line = &line,
     .user_triggered = true,
     .how = "lower the head on the patch and hold the button until it has read",
-    .recalibrate = "in the instrument's menu choose Calibration, then Reflection (or Transmission), "
-                   "and measure its targets as it asks",
+    .recalibrate =
+        "in the instrument's menu choose Calibration, then Reflection (or Transmission), "
+        "and measure its targets as it asks",
     .identify = identify,
     .measure = instrument_listen,
     .discard = instrument_discard,

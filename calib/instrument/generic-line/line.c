@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "instrument/generic-line/line.h"
-#include "lccal.h"
+#include "number.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -32,8 +32,7 @@ const line_preset line_presets[] = {
      FORMAT(FORM_FIELDS, "V", 0, DECIMALS_IMPLIED)},
     {"technet-adv", "Advanced Technet printing densitometer", FRAME(1200, 7, 'S'),
      FORMAT(FORM_FIELDS, "vpP", 0, DECIMALS_IMPLIED)},
-    {"tobias-tbx", "Tobias TBX", FRAME(9600, 8, 'N'),
-     FORMAT(FORM_TOBIAS, "", 0, DECIMALS_WRITTEN)},
+    {"tobias-tbx", "Tobias TBX", FRAME(9600, 8, 'N'), FORMAT(FORM_TOBIAS, "", 0, DECIMALS_WRITTEN)},
     {"macbeth-900", "Macbeth 900 series", FRAME(300, 7, 'N'),
      FORMAT(FORM_FIELDS, "V", 0, DECIMALS_AUTO)},
     {"generic", "densitometer that prints lines", FRAME(9600, 8, 'N'),
@@ -52,7 +51,7 @@ static const line_preset *find(const char *name, size_t length)
 
 static cal_status unknown_preset(const char *name, size_t length, cal_error *err)
 {
-    char   all[224] = "";
+    char all[224] = "";
     size_t used = 0;
     for (size_t i = 0; i < line_preset_count; i++)
         used += (size_t)snprintf(all + used, sizeof all - used, " %s", line_presets[i].name);
@@ -73,8 +72,8 @@ static bool set_line(line_settings *line, const char *name, const char *value)
 {
     static const char *const flows[4] = {"none", "xonxoff", "rtscts"};
     static const char *const switches[4] = {"on", "off"};
-    double                   number;
-    int                      index;
+    double number;
+    int index;
     if (strcmp(name, "baud") == 0) {
         if (!lccal_parse_number(value, strlen(value), &number) || number < 1.0 || number > 1e6)
             return false;
@@ -101,7 +100,7 @@ static bool set_line(line_settings *line, const char *name, const char *value)
 static bool set_format(line_format *format, const char *name, const char *value)
 {
     static const char *const points[4] = {"auto", "implied", "written"};
-    const size_t             n = strlen(value);
+    const size_t n = strlen(value);
     if (strcmp(name, "channel") == 0 && n < sizeof format->visual && n > 0) {
         memcpy(format->visual, value, n + 1);
         return true;
@@ -128,20 +127,20 @@ static bool set_format(line_format *format, const char *name, const char *value)
 
 cal_status line_preset_parse(const char *text, line_preset *out, cal_error *err)
 {
-    const size_t       length = strcspn(text, ",");
+    const size_t length = strcspn(text, ",");
     const line_preset *preset = find(text, length);
     if (!preset)
         return unknown_preset(text, length, err);
     *out = *preset;
     for (const char *at = text + length; *at;) {
-        char         part[64];
+        char part[64];
         const size_t n = strcspn(at + 1, ",");
         snprintf(part, sizeof part, "%.*s", (int)n, at + 1);
         char *value = strchr(part, '=');
         if (value)
             *value++ = '\0';
-        if (!value || (!set_line(&out->line, part, value) &&
-                       !set_format(&out->format, part, value)))
+        if (!value ||
+            (!set_line(&out->line, part, value) && !set_format(&out->format, part, value)))
             return cal_fail(err, CAL_UNSUPPORTED,
                             "'%.*s' does not set up a line: baud=, frame=8N1.., flow=none|xonxoff|"
                             "rtscts, dtr=, rts=on|off, channel=, mode=R|T, decimals=auto|implied|"

@@ -6,14 +6,14 @@
 #include "instrument/instrument.h"
 
 typedef struct line_preset {
-    const char   *name;
-    const char   *title;
+    const char *name;
+    const char *title;
     line_settings line;
-    line_format   format;
+    line_format format;
 } line_preset;
 
 extern const line_preset line_presets[];
-extern const size_t      line_preset_count;
+extern const size_t line_preset_count;
 
 extern const instrument_driver line_driver;
 

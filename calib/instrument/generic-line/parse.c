@@ -3,7 +3,7 @@
  * another), so the preset says which forms to expect, and forms are tried from the narrowest to the
  * widest. Anything doubtful is no reading: the user presses again, but no density is invented. */
 #include "instrument/generic-line/line.h"
-#include "lccal.h"
+#include "number.h"
 
 #include <math.h>
 #include <string.h>
@@ -92,9 +92,9 @@ static bool parse_tobias(const line_format *format, const char *text, reading *o
 static bool parse_fields(const line_format *format, const char *text, reading *out)
 {
     static const char filters[3][3] = {"CR", "MG", "YB"};
-    bool              visual = false, colour[3] = {false, false, false};
+    bool visual = false, colour[3] = {false, false, false};
     while (*text) {
-        double     value, step;
+        double value, step;
         const char letter = *text;
         if (!strchr("VRGBCMYKPvrgbcmyp", letter))
             return false;
@@ -133,7 +133,8 @@ static bool parse_plain(const line_format *format, const char *text, reading *ou
 }
 
 /* The first number of a line nobody knows. Lines of a Printalyzer that are no readings must not
- * pass for one: replies start with two capitals and a space, log lines with a letter and a slash. */
+ * pass for one: replies start with two capitals and a space, log lines with a letter and a slash.
+ */
 static bool parse_any(const line_format *format, const char *text, reading *out)
 {
     if ((strchr("SGI", text[0]) && text[1] && strchr("SMCD", text[1]) && text[2] == ' ') ||
@@ -153,8 +154,8 @@ static bool parse_any(const line_format *format, const char *text, reading *out)
 parse_result line_parse(const line_format *format, const uint8_t *bytes, size_t n, size_t *used,
                         reading *out)
 {
-    size_t             start, length;
-    char               text[TEXT_MAX];
+    size_t start, length;
+    char text[TEXT_MAX];
     const parse_result line = line_split(bytes, n, &start, &length, used);
     if (line != PARSE_OK)
         return line;
@@ -162,12 +163,11 @@ parse_result line_parse(const line_format *format, const uint8_t *bytes, size_t 
     if (!clean(bytes + start, length, text, &length))
         return PARSE_BAD;
     out->kind = format->mode == 'T' ? READING_TRANSMISSION : READING_REFLECTION;
-    const bool ok =
-        ((format->forms & FORM_SIGNED) && parse_signed(format, text, length, out)) ||
-        ((format->forms & FORM_TOBIAS) && parse_tobias(format, text, out)) ||
-        ((format->forms & FORM_FIELDS) && parse_fields(format, text, out)) ||
-        ((format->forms & FORM_NUMBER) && parse_plain(format, text, out)) ||
-        ((format->forms & FORM_ANY) && parse_any(format, text, out));
+    const bool ok = ((format->forms & FORM_SIGNED) && parse_signed(format, text, length, out)) ||
+                    ((format->forms & FORM_TOBIAS) && parse_tobias(format, text, out)) ||
+                    ((format->forms & FORM_FIELDS) && parse_fields(format, text, out)) ||
+                    ((format->forms & FORM_NUMBER) && parse_plain(format, text, out)) ||
+                    ((format->forms & FORM_ANY) && parse_any(format, text, out));
     if (!ok)
         return PARSE_BAD;
     out->value *= format->scale;

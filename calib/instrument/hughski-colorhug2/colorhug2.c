@@ -28,8 +28,8 @@ enum {
 
 static int32_t get_i32(const uint8_t *b)
 {
-    const uint32_t u = (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 |
-                       (uint32_t)b[3] << 24;
+    const uint32_t u =
+        (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
     int32_t value;
     memcpy(&value, &u, sizeof value);
     return value;
@@ -71,8 +71,9 @@ static cal_status fail_code(instrument *in, int code, cal_error *err)
     case CODE_UNCALIBRATED:
     case CODE_BAD_CALIBRATION: return instrument_fail(in, CAL_CALIBRATE, err);
     default:
-        return cal_fail(err, CAL_PROTOCOL, "the ColorHug2 on '%s' reports error %d; unplug it and "
-                                           "plug it in again",
+        return cal_fail(err, CAL_PROTOCOL,
+                        "the ColorHug2 on '%s' reports error %d; unplug it and "
+                        "plug it in again",
                         in->port->name, code);
     }
 }
@@ -93,7 +94,7 @@ static cal_status ask(instrument *in, uint8_t command, const uint8_t *arguments,
         if (result == CAL_TIMEOUT)
             result = in->port->ops->write(in->port, request, sizeof request, ASK_MS);
         const int64_t deadline = in->port->ops->now_ms(in->port) + timeout_ms;
-        bool          answered = false;
+        bool answered = false;
         while (result == CAL_OK && !answered) {
             in->have = 0;
             result = instrument_fill(in, transport_left(in->port, deadline));
@@ -114,8 +115,9 @@ static bool calibration_index(const char *kind, uint8_t *index)
 {
     static const struct {
         const char *kind;
-        uint8_t     index;
-    } kinds[] = {{"", 64}, {"lcd", 64}, {"crt", 65}, {"projector", 66}, {"led", 67}, {"factory", 0}};
+        uint8_t index;
+    } kinds[] = {{"", 64},          {"lcd", 64}, {"crt", 65},
+                 {"projector", 66}, {"led", 67}, {"factory", 0}};
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
         if (strcmp(kinds[i].kind, kind) == 0) {
             *index = kinds[i].index;
@@ -128,7 +130,7 @@ static bool calibration_index(const char *kind, uint8_t *index)
 static void fact_format(instrument *in, const char *key, const char *format, unsigned a, unsigned b,
                         unsigned c)
 {
-    char      text[48];
+    char text[48];
     const int n = snprintf(text, sizeof text, format, a, b, c);
     instrument_fact_set(in, key, text, (size_t)n);
 }
@@ -137,7 +139,7 @@ static unsigned get_u16(const uint8_t *b) { return (unsigned)b[0] | (unsigned)b[
 
 static cal_status identify(instrument *in, int timeout_ms, cal_error *err)
 {
-    uint8_t   index;
+    uint8_t index;
     const int wait = timeout_ms < ASK_MS ? timeout_ms : ASK_MS;
     if (!in->port->ops->messages && strcmp(in->port->ops->scheme, "script") != 0)
         return cal_fail(err, CAL_UNSUPPORTED, "a ColorHug2 is on hid:273f:1004, not on '%s'",
@@ -146,7 +148,7 @@ static cal_status identify(instrument *in, int timeout_ms, cal_error *err)
         return cal_fail(err, CAL_UNSUPPORTED,
                         "no display kind '%s'; known: lcd crt projector led factory", in->preset);
     const uint8_t *data = in->buffer + HEADER;
-    cal_status     result = ask(in, GET_FIRMWARE, NULL, 0, wait, err);
+    cal_status result = ask(in, GET_FIRMWARE, NULL, 0, wait, err);
     if (result != CAL_OK)
         return result;
     instrument_fact_set(in, "maker", "Hughski", 7);
@@ -174,7 +176,7 @@ static cal_status identify(instrument *in, int timeout_ms, cal_error *err)
 static cal_status measure(instrument *in, int timeout_ms, reading *out, cal_error *err)
 {
     uint8_t arguments[2] = {0, 0};
-    size_t  used;
+    size_t used;
     (void)calibration_index(in->preset, &arguments[0]);
     const cal_status result = ask(in, TAKE_XYZ, arguments, sizeof arguments,
                                   timeout_ms < READ_MS ? timeout_ms : READ_MS, err);

@@ -3,7 +3,7 @@
  * CR; an answer is data and a status such as <00>. A reading is X, Y, Z in percent of white, the
  * form of output that other programs are known to use; its visual density is -log10(Y/100). */
 #include "instrument/xrite-rci/rci.h"
-#include "lccal.h"
+#include "number.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -85,8 +85,8 @@ static bool is_blank(uint8_t c) { return c == '\r' || c == '\n' || c == ' ' || c
 parse_result rci_parse(const line_format *format, const uint8_t *bytes, size_t n, size_t *used,
                        reading *out)
 {
-    size_t             data;
-    int                status;
+    size_t data;
+    int status;
     const parse_result answer = rci_status(bytes, n, used, &data, &status);
     (void)format;
     if (answer != PARSE_OK)
@@ -102,8 +102,7 @@ parse_result rci_parse(const line_format *format, const uint8_t *bytes, size_t n
         while (at < data && !is_blank(bytes[at]))
             at++;
         const uint8_t *point = at > start ? memchr(bytes + start, '.', at - start) : NULL;
-        if (!point ||
-            !lccal_parse_number((const char *)bytes + start, at - start, &out->xyz[i]))
+        if (!point || !lccal_parse_number((const char *)bytes + start, at - start, &out->xyz[i]))
             return PARSE_BAD;
         if (i == 1)
             last_decimals = (size_t)(bytes + at - point - 1);
@@ -148,8 +147,8 @@ static cal_status ask(instrument *in, const char *command, int timeout_ms, size_
 
 static cal_status fail_status(instrument *in, int status, cal_error *err)
 {
-    size_t           used, data;
-    int              cleared;
+    size_t used, data;
+    int cleared;
     const cal_status meaning = rci_meaning(status);
     if (meaning == CAL_OK)
         return CAL_OK;
@@ -163,8 +162,8 @@ static cal_status fail_status(instrument *in, int status, cal_error *err)
 
 static cal_status command(instrument *in, const char *text, int timeout_ms, cal_error *err)
 {
-    size_t           used, data;
-    int              status = RCI_OK;
+    size_t used, data;
+    int status = RCI_OK;
     const cal_status result = ask(in, text, timeout_ms, &used, &data, &status, err);
     return result == CAL_OK ? fail_status(in, status, err) : result;
 }
@@ -176,15 +175,15 @@ static cal_status find_rate(instrument *in, int timeout_ms, cal_error *err)
     for (size_t i = 0; i < sizeof rates / sizeof rates[0]; i++) {
         const line_settings line = {
             .baud = rates[i], .data_bits = 8, .parity = 'N', .stop_bits = 1};
-        size_t           used, data;
-        int              status;
+        size_t used, data;
+        int status;
         const cal_status set = in->port->ops->configure(in->port, &line);
         if (set != CAL_OK)
             return instrument_fail(in, set, err);
-        const int        wait = timeout_ms < PROBE_MS ? timeout_ms : PROBE_MS;
+        const int wait = timeout_ms < PROBE_MS ? timeout_ms : PROBE_MS;
         const cal_status result = ask(in, "\r", wait, &used, &data, &status, err);
         if (result == CAL_OK) {
-            char      text[16];
+            char text[16];
             const int n = snprintf(text, sizeof text, "%d", rates[i]);
             instrument_fact_set(in, "baud", text, (size_t)n);
             return CAL_OK;
@@ -198,8 +197,8 @@ static cal_status find_rate(instrument *in, int timeout_ms, cal_error *err)
 /* SV answers "X-Rite DTP41..." and may be split over lines. */
 static cal_status ask_version(instrument *in, int timeout_ms, cal_error *err)
 {
-    size_t           used, data;
-    int              status = RCI_OK;
+    size_t used, data;
+    int status = RCI_OK;
     const cal_status result = ask(in, "SV\r", timeout_ms, &used, &data, &status, err);
     if (result != CAL_OK)
         return result;
@@ -213,7 +212,7 @@ static cal_status ask_version(instrument *in, int timeout_ms, cal_error *err)
         end++;
     instrument_fact_set(in, "maker", "X-Rite", 6);
     const char *model = (const char *)in->buffer + start;
-    const bool  named = end - start > 7 && memcmp(model, "X-Rite ", 7) == 0;
+    const bool named = end - start > 7 && memcmp(model, "X-Rite ", 7) == 0;
     instrument_fact_set(in, "model", named ? model + 7 : model, end - start - (named ? 7 : 0));
     return CAL_OK;
 }
@@ -233,9 +232,9 @@ static cal_status identify(instrument *in, int timeout_ms, cal_error *err)
 {
     /* RCI protocol, no echo, CR between lines, no transmission by itself, points in numbers, tabs
      * between fields, no labels, reflection, spot reading, one reading a measurement. */
-    static const char *const set_up[] = {"0012CF\r", "0009CF\r", "0008CF\r", "0005CF\r", "0106CF\r",
-                                         "0207CF\r", "000FCF\r", "0019CF\r", "0013CF\r",
-                                         "0115CF\r"};
+    static const char *const set_up[] = {"0012CF\r", "0009CF\r", "0008CF\r", "0005CF\r",
+                                         "0106CF\r", "0207CF\r", "000FCF\r", "0019CF\r",
+                                         "0013CF\r", "0115CF\r"};
     const int wait = timeout_ms < SET_UP_MS ? timeout_ms : SET_UP_MS;
     if (!in->port->ops->configure)
         return instrument_fail(in, CAL_UNSUPPORTED, err);
@@ -255,12 +254,12 @@ static cal_status identify(instrument *in, int timeout_ms, cal_error *err)
 
 static cal_status measure_once(instrument *in, int timeout_ms, reading *out, cal_error *err)
 {
-    const int  wait = timeout_ms < READ_MS ? timeout_ms : READ_MS;
+    const int wait = timeout_ms < READ_MS ? timeout_ms : READ_MS;
     cal_status result = command(in, "RM\r", wait, err);
     if (result != CAL_OK)
         return result;
     size_t used, data;
-    int    status = RCI_OK;
+    int status = RCI_OK;
     result = ask(in, "0405TS\r", wait < FETCH_MS ? wait : FETCH_MS, &used, &data, &status, err);
     if (result == CAL_OK)
         result = fail_status(in, status, err);

@@ -12,7 +12,7 @@ void *lcor_array_reserve(const lcor_allocator *allocator, lcor_array *array, siz
 
     if (!lcor_internal_size_add(array->count, more, &need))
         return NULL;
-    if (need > array->capacity) {
+    if (need > array->capacity || array->items == NULL) {
         size_t capacity = array->capacity + array->capacity / 2 + 16;
         void  *items;
 

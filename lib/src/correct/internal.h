@@ -2,6 +2,8 @@
 #ifndef LCOR_CORRECT_INTERNAL_H
 #define LCOR_CORRECT_INTERNAL_H
 
+#include "correct/kernel.h"
+
 #include <lcor/correct.h>
 
 #include <stddef.h>
@@ -18,7 +20,11 @@ struct lcor_plan {
     lcor_sample in_type, out_type, map_type;
     lcor_layout in, out;
     const float *tone; /* in the same allocation, or NULL */
-    size_t tone_size;
+    size_t         tone_size;
+    const float   *decode_table; /* linear values of 8-bit samples, where they are not a product */
+    const lcor_kernel *kernel;   /* NULL: the float path cannot do it, all goes through the reference */
+    lcor_kernel_constants k;
+    int            float_maps; /* maps are float and need nothing but float arithmetic */
     lcor_allocator allocator;
 };
 

@@ -94,12 +94,66 @@ static void digest(lcor_plan *p, const lcor_plan_options *o)
     p->map_type = o->map_type;
 }
 
+/* Row sums of n in float: grey must come out grey, and white exactly 1. */
+static void round_matrix(const double from[9], float n[9])
+{
+    for (int i = 0; i < 9; i += 3) {
+        float sum;
+
+        n[i] = (float)from[i];
+        n[i + 2] = (float)from[i + 2];
+        sum = n[i] + n[i + 2];
+        n[i + 1] = 1.0f - sum;
+        for (int step = 0; step < 8 && sum + n[i + 1] != 1.0f; step++)
+            n[i + 1] = nextafterf(n[i + 1], sum + n[i + 1] < 1.0f ? 2e9f : -2e9f);
+    }
+}
+
+static int is_moderate(double x)
+{
+    return x == 0.0 || (x > 1e-25 && x < 1e25);
+}
+
+/* Constants of the float path; p->kernel stays NULL where that path would lose accuracy. */
+static void prepare_kernel(lcor_plan *p)
+{
+    lcor_kernel_constants *k = &p->k;
+    const double           slope = p->r_mean > 0.0 ? p->gain / p->r_mean : 0.0;
+    const int              steep = p->gain > 16.0; /* float T would be off by 1e-6 and more */
+
+    if (p->colour.lightness != LCOR_LIGHTNESS_CIE || p->in_type == LCOR_F64 ||
+        p->out_type == LCOR_F64 || p->colour.gamma < 0.1 || p->colour.gamma > 10.0 ||
+        p->rho_ratio < 1e-6 || p->rho_ratio > 1e6 || p->rho < 1e-6 ||
+        (p->reading == LCOR_READING_TEXEL && (p->exponent != 1.0 || steep)))
+        return;
+    for (int i = 0; i < 9; i++) {
+        if (!(fabs(p->f_from_rgb[i]) < 1e3 && fabs(p->rgb_from_f[i]) < 1e3))
+            return;
+        k->m[i] = (float)p->f_from_rgb[i];
+    }
+    round_matrix(p->rgb_from_f, k->n);
+    k->offset = (float)(0.5 - p->gain);
+    k->w = p->reading == LCOR_READING_TEXEL ? k->offset : 0.0f;
+    k->ratio = (float)p->rho_ratio;
+    k->over_rho = (float)(p->rho_ratio / p->rho);
+    k->gamma = (float)p->colour.gamma;
+    k->over_gamma = (float)(1.0 / p->colour.gamma);
+    p->float_maps = p->map_type == LCOR_F32 && p->exponent == 1.0 && !steep && is_moderate(slope);
+    if (p->float_maps) {
+        k->slope = (float)slope;
+        k->slope_rho = (float)(slope * p->rho);
+        k->slope_texel = (float)(slope * p->rho_ratio);
+    }
+    p->kernel = lcor_internal_kernel(0);
+}
+
 lcor_status lcor_plan_new(const lcor_plan_options *options, lcor_plan **out, lcor_error *err)
 {
     lcor_plan_options o;
     lcor_plan p, *plan;
     lcor_status status;
-    size_t size;
+    size_t size, codes = 0;
+    float *tables;
 
     if (options == NULL || out == NULL)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "options or out is NULL");
@@ -124,16 +178,21 @@ lcor_status lcor_plan_new(const lcor_plan_options *options, lcor_plan **out, lco
     p.out = o.out_layout;
     digest(&p, &o);
 
-    size = sizeof p + o.tone_size * sizeof *o.tone_curve; /* both bounded above */
+    prepare_kernel(&p);
+    if (p.kernel != NULL && p.in_type == LCOR_U8 && p.colour.transfer != LCOR_TRANSFER_LINEAR)
+        codes = 256;
+    size = sizeof p + (codes + o.tone_size) * sizeof *o.tone_curve; /* both bounded above */
     plan = lcor_internal_alloc(&p.allocator, size);
     if (plan == NULL)
         return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory for a plan of %zu bytes",
                                   size);
+    tables = (float *)(void *)(plan + 1);
+    for (size_t i = 0; i < codes; i++)
+        tables[i] = (float)lcor_transfer_to_linear(&p.colour, (double)i / 255.0);
+    p.decode_table = codes != 0 ? tables : NULL;
     if (o.tone_size != 0) {
-        float *tone = (float *)(void *)(plan + 1);
-
-        memcpy(tone, o.tone_curve, o.tone_size * sizeof *tone);
-        p.tone = tone;
+        memcpy(tables + codes, o.tone_curve, o.tone_size * sizeof *tables);
+        p.tone = tables + codes;
         p.tone_size = o.tone_size;
     }
     *plan = p;

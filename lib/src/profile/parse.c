@@ -134,26 +134,25 @@ static lcor_status find_scales(reader *r)
 {
     static const double rgb[] = {255.0, 100.0, 1.0, 65535.0, 1023.0, 4095.0};
     static const double cmyk[] = {100.0, 255.0, 1.0};
-    double full_rgb = 255.0, full_cmyk = 100.0, full_xyz = 1.0;
-    if (!r->own) {
+    double full_rgb = 255.0, full_cmyk = 100.0, xyz = 1.0;
+    if (!r->own && (r->has & LCOR_HAS_RGB))
         full_rgb = full_scale(r, RGB_R, 3, rgb, sizeof rgb / sizeof rgb[0]);
+    if (!r->own && (r->has & LCOR_HAS_CMYK))
         full_cmyk = full_scale(r, CMYK_C, 4, cmyk, sizeof cmyk / sizeof cmyk[0]);
-        const char *class = lcor_profile_keyword(r->profile, "DEVICE_CLASS");
-        if (r->largest[XYZ_Y] <= 1.5 && !(class && strcmp(class, "DISPLAY") == 0))
-            full_xyz = 0.01; /* Y of print in 0..1 */
-    }
-    if ((r->has & LCOR_HAS_RGB) && full_rgb == 0.0)
-        return lcor_internal_bad(
-            r, "the largest RGB value is none of 255, 100, 1, 65535: no white patch, or an "
-               "unknown scale");
-    if ((r->has & LCOR_HAS_CMYK) && full_cmyk == 0.0)
-        return lcor_internal_bad(
-            r, "the largest CMYK value is none of 100, 255, 1: no solid patch, or an unknown "
-               "scale");
+    if (full_rgb == 0.0)
+        return lcor_internal_bad(r, "the largest RGB value is none of 255, 100, 1, 65535: no white "
+                                    "patch, or an unknown scale");
+    if (full_cmyk == 0.0)
+        return lcor_internal_bad(r,
+                                 "the largest CMYK value is none of 100, 255, 1: no solid patch, "
+                                 "or an unknown scale");
+    const char *class = lcor_profile_keyword(r->profile, "DEVICE_CLASS");
+    if (!r->own && r->largest[XYZ_Y] <= 1.5 && !(class && strcmp(class, "DISPLAY") == 0))
+        xyz = 100.0; /* Y of print in 0..1 */
     for (int i = 0; i < NUMBERS; i++)
         r->scale[i] = i <= RGB_B    ? 255.0 / full_rgb
                       : i <= CMYK_K ? 100.0 / full_cmyk
-                      : i <= XYZ_Z  ? 1.0 / full_xyz
+                      : i <= XYZ_Z  ? xyz
                                     : 1.0;
     return LCOR_OK;
 }

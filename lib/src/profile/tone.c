@@ -12,8 +12,9 @@
 typedef struct knot {
     double level;     /* device value 0..1 */
     double low, high; /* the lowest and highest level that share this knot */
-    double luminance; /* first relative to a perfect diffuser, then 0..1 from black to white */
-    double slope;     /* d level / d sqrt(luminance) */
+    double luminance; /* relative to a perfect diffuser */
+    double x;         /* square root of the luminance on a scale of 0 (black) to 1 (white) */
+    double slope;     /* d level / d x */
     size_t weight;    /* number of levels that share it */
 } knot;
 
@@ -76,30 +77,38 @@ static size_t pool(knot *knots, size_t n)
     return kept;
 }
 
-/* Slopes that keep the cubics monotone (Fritsch and Butland's weighted harmonic mean). */
+/* Slope at the end of a row of knots from its first two intervals: that of the parabola through
+ * three knots, as far as the cubic stays monotone. */
+static double end_slope(double h, double rise, double h_next, double rise_next)
+{
+    const double slope = ((2.0 * h + h_next) * rise - h * rise_next) / (h + h_next);
+    return fmin(fmax(slope, 0.0), 3.0 * rise);
+}
+
+/* Slopes that keep the cubics monotone: Fritsch and Butland's weighted harmonic mean. */
 static void set_slopes(knot *k, size_t n)
 {
-    for (size_t i = 0; i < n; i++)
-        k[i].luminance = sqrt(k[i].luminance);
-    for (size_t i = 0; i < n; i++) {
-        const double before = i > 0 ? k[i].luminance - k[i - 1].luminance : 0.0;
-        const double after = i + 1 < n ? k[i + 1].luminance - k[i].luminance : 0.0;
-        const double rise_before = i > 0 ? (k[i].level - k[i - 1].level) / before : 0.0;
-        const double rise_after = i + 1 < n ? (k[i + 1].level - k[i].level) / after : 0.0;
-        if (i == 0)
-            k[i].slope = rise_after;
-        else if (i + 1 == n)
-            k[i].slope = rise_before;
-        else if (rise_before > 0.0 && rise_after > 0.0)
+    double h = 0.0, rise = 0.0; /* of the interval before knot i */
+    for (size_t i = 0; i + 1 < n; i++) {
+        const double h_next = k[i + 1].x - k[i].x;
+        const double rise_next = (k[i + 1].level - k[i].level) / h_next;
+        if (i == 1)
+            k[0].slope = end_slope(h, rise, h_next, rise_next);
+        if (i > 0 && rise > 0.0 && rise_next > 0.0)
             k[i].slope =
-                3.0 * (before + after) /
-                ((2.0 * after + before) / rise_before + (after + 2.0 * before) / rise_after);
+                3.0 * (h + h_next) / ((2.0 * h_next + h) / rise + (h_next + 2.0 * h) / rise_next);
+        if (i + 2 == n)
+            k[n - 1].slope = i > 0 ? end_slope(h_next, rise_next, h, rise) : rise_next;
+        h = h_next;
+        rise = rise_next;
     }
+    if (n == 2)
+        k[0].slope = rise;
 }
 
 static double between(const knot *a, const knot *b, double x)
 {
-    const double h = b->luminance - a->luminance, t = (x - a->luminance) / h, s = 1.0 - t;
+    const double h = b->x - a->x, t = (x - a->x) / h, s = 1.0 - t;
     return s * s * ((1.0 + 2.0 * t) * a->level + t * h * a->slope) +
            t * t * ((1.0 + 2.0 * s) * b->level - s * h * b->slope);
 }
@@ -110,7 +119,7 @@ static void sample(const knot *knots, size_t levels, size_t n, float *out)
     size_t at = 0;
     for (size_t i = 0; i < n; i++) {
         const double x = sqrt((double)i / (double)(n - 1));
-        while (at + 2 < levels && knots[at + 1].luminance < x)
+        while (at + 2 < levels && knots[at + 1].x < x)
             at++;
         const float value = (float)between(&knots[at], &knots[at + 1], x);
         /* The cubics rise; only rounding could say otherwise. */
@@ -137,7 +146,7 @@ static lcor_status fit(knot *knots, size_t levels, size_t *kept, lcor_error *err
     last->level = last->low;
     const double black = first->luminance, range = last->luminance - black;
     for (size_t i = 0; i < *kept; i++)
-        knots[i].luminance = (knots[i].luminance - black) / range;
+        knots[i].x = sqrt((knots[i].luminance - black) / range);
     set_slopes(knots, *kept);
     return LCOR_OK;
 }

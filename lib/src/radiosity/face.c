@@ -159,37 +159,86 @@ static void cut_along(const lcor_scene *scene, const scene_surface *s, const sce
         cut(pieces, count, s->normal, on[0], on[1], touch);
 }
 
-/* Appends one face with corner a and edges to b and c (triangle), or spanning a parallelogram. */
+int face_set(face *f, const double origin[3], const double u[3], const double v[3], int triangle)
+{
+    double cross[3], uu, uv, vv, det;
+
+    vec_copy(origin, f->origin);
+    vec_copy(u, f->u);
+    vec_copy(v, f->v);
+    f->triangle = triangle;
+    vec_cross(u, v, cross);
+    f->jacobian = vec_length(cross);
+    uu = vec_dot(u, u);
+    uv = vec_dot(u, v);
+    vv = vec_dot(v, v);
+    det = uu * vv - uv * uv;
+    for (int k = 0; k < 3; k++) {
+        f->dual_u[k] = (vv * u[k] - uv * v[k]) / det;
+        f->dual_v[k] = (uu * v[k] - uv * u[k]) / det;
+    }
+    return det > 0 && f->jacobian > 0;
+}
+
+/* Appends the face with corner a and edges to b and c: a triangle, or the parallelogram. */
 static int add_face(const lcor_allocator *allocator, lcor_array *faces, const scene_surface *s,
                     uint32_t surface, int back, const double a[3], const double b[3],
                     const double c[3], int triangle)
 {
     face  *f = lcor_array_reserve(allocator, faces, 1, sizeof *f);
-    double cross[3], uu, uv, vv, det;
+    double u[3], v[3];
 
     if (!f)
         return 0;
     memset(f, 0, sizeof *f);
     f->surface = surface;
     f->back = back;
-    f->triangle = triangle;
     f->root = -1;
-    vec_copy(a, f->origin);
-    vec_sub(back ? c : b, a, f->u);
-    vec_sub(back ? b : c, a, f->v);
-    vec_cross(f->u, f->v, cross);
-    f->jacobian = vec_length(cross);
-    uu = vec_dot(f->u, f->u);
-    uv = vec_dot(f->u, f->v);
-    vv = vec_dot(f->v, f->v);
-    det = uu * vv - uv * uv;
-    for (int k = 0; k < 3; k++) {
+    vec_sub(back ? c : b, a, u);
+    vec_sub(back ? b : c, a, v);
+    for (int k = 0; k < 3; k++)
         f->normal[k] = back ? -s->normal[k] : s->normal[k];
-        f->dual_u[k] = (vv * f->u[k] - uv * f->v[k]) / det;
-        f->dual_v[k] = (uu * f->v[k] - uv * f->u[k]) / det;
+    faces->count += (size_t)face_set(f, a, u, v, triangle); /* slivers without area are left out */
+    return 1;
+}
+
+/* A piece of a quad that is a rectangle of its (s, t) becomes a face in the same directions. */
+static int add_aligned(const lcor_allocator *allocator, lcor_array *faces, const scene_surface *q,
+                       uint32_t surface, const piece *p, int *done)
+{
+    const double snap = 1e-9;
+    double       s[4], t[4], s0 = 1, s1 = 0, t0 = 1, t1 = 0, o[3], u[3], v[3];
+    size_t       before = faces->count;
+
+    *done = 0;
+    for (size_t i = 0; i < 4 && p->n == 4; i++) {
+        lcor_scene_coordinates(q, p->p[i], &s[i], &t[i]);
+        s0 = fmin(s0, s[i]);
+        s1 = fmax(s1, s[i]);
+        t0 = fmin(t0, t[i]);
+        t1 = fmax(t1, t[i]);
     }
-    faces->count++;
-    return f->jacobian > 0 && isfinite(f->dual_u[0] + f->dual_v[0]) ? 1 : (faces->count--, 1);
+    for (size_t i = 0; i < 4 && p->n == 4; i++)
+        if (fmin(s[i] - s0, s1 - s[i]) > snap || fmin(t[i] - t0, t1 - t[i]) > snap)
+            return 1;
+    if (q->shape != SCENE_QUAD || p->n != 4)
+        return 1;
+    vec_plane_point(q->origin, q->edge_u, q->edge_v, s0, t0, o);
+    vec_plane_point(o, q->edge_u, q->edge_v, s1 - s0, 0, u);
+    vec_plane_point(o, q->edge_u, q->edge_v, 0, t1 - t0, v);
+    if (!add_face(allocator, faces, q, surface, 0, o, u, v, 0))
+        return 0;
+    if (faces->count > before) {
+        face *f = (face *)faces->items + before;
+
+        f->aligned = 1;
+        f->s0 = s0;
+        f->t0 = t0;
+        f->hs = s1 - s0;
+        f->ht = t1 - t0;
+    }
+    *done = 1;
+    return 1;
 }
 
 static int is_parallelogram(const piece *q, double touch)
@@ -206,6 +255,12 @@ static int is_parallelogram(const piece *q, double touch)
 static int add_piece(const lcor_allocator *allocator, lcor_array *faces, const scene_surface *s,
                      uint32_t surface, int back, const piece *q, double touch)
 {
+    int done = 0;
+
+    if (!back && !add_aligned(allocator, faces, s, surface, q, &done))
+        return 0;
+    if (done)
+        return 1;
     if (is_parallelogram(q, touch))
         return add_face(allocator, faces, s, surface, back, q->p[0], q->p[1], q->p[3], 0);
     for (size_t i = 1; i + 1 < q->n; i++)
@@ -243,12 +298,8 @@ static int build_surface(const lcor_scene *scene, const lcor_allocator *allocato
             if (!add_piece(allocator, faces, s, (uint32_t)index, back, &pieces[i], touch))
                 return 0;
     }
-    for (size_t i = start; i < faces->count; i++) {
-        face *f = (face *)faces->items + i;
-
-        f->finest = finest_of(s);
-        f->one_to_one = count == 1 && s->shape == SCENE_QUAD && !f->back;
-    }
+    for (size_t i = start; i < faces->count; i++)
+        ((face *)faces->items)[i].finest = finest_of(s);
     return 1;
 }
 

@@ -16,7 +16,8 @@ typedef struct face {
     uint32_t surface;
     int      back;       /* 1: the side away from the surface's normal */
     double   finest;     /* elements are not split below this edge length */
-    int      one_to_one; /* parallelogram that is its whole surface: same (s, t) */
+    int      aligned;    /* a rectangle, below, of its quad's (s, t), same directions */
+    double   s0, t0, hs, ht;
     int32_t  root;       /* element */
 } face;
 
@@ -33,6 +34,9 @@ int face_build(const lcor_scene *scene, const lcor_allocator *allocator, lcor_ar
 void   face_point(const face *f, double s, double t, double out[3]);
 void   face_coordinates(const face *f, const double x[3], double *s, double *t);
 double face_cell_area(const face *f, const cell *c);
+/* Fills origin, u, v and what follows from them; the normal is the caller's. Returns 0 if it has
+ * no area. */
+int face_set(face *f, const double origin[3], const double u[3], const double v[3], int triangle);
 /* Four corners in order around the cell; at a triangle's tip two are equal. */
 void face_cell_corners(const face *f, const cell *c, double corners[4][3]);
 

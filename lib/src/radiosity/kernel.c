@@ -145,32 +145,39 @@ int links_fill(links *l)
  * by its moments, which stay right where shadows cut the element. */
 static void leaf_source(const links *l, size_t element)
 {
-    const links_element *e = links_at(l, element);
-    const face          *f = links_face_of(l, e);
-    const lcor_surface  *look = &scene_surface_at(l->scene, f->surface)->look;
-    const size_t         lights = l->scene->lights.count;
-    double              *out = links_values(l, &l->source, element);
-    double               area[RULE_Q], weights[RULE_Q];
+    links_element *e = links_at(l, element);
+    const face    *f = links_face_of(l, e);
+    const lcor_surface *look = &scene_surface_at(l->scene, f->surface)->look;
+    const size_t   lights = l->scene->lights.count;
+    double        *out = links_values(l, &l->source, element);
+    double         area[RULE_Q], weights[RULE_Q];
 
     links_node_areas(l, e, area);
-    for (int c = 0; c < l->channels; c++)
+    e->power = 0;
+    for (int c = 0; c < l->channels; c++) {
+        const double emission = light_channel(l->lights, look->emission, c);
+
+        e->power += emission * e->area / l->channels;
         for (int k = 0; k < RULE_Q; k++)
-            out[c * RULE_Q + k] = light_channel(l->lights, look->emission, c);
+            out[c * RULE_Q + k] = emission;
+    }
     for (size_t i = 0; i < lights; i++) {
         const links_shadow *shadow = &l->shadows[e->face * lights + i];
         transfer            t = {l->scene, NULL, NULL, scene_light_at(l->scene, i), NULL,
                                  shadow->count, light_accuracy};
+        double              flux;
 
         if (shadow->dark)
             continue;
         t.occluders = (const uint32_t *)l->occluders.items + shadow->first;
-        (void)transfer_weights(&t, f, &e->c, weights);
+        flux = transfer_weights(&t, f, &e->c, weights);
         for (int c = 0; c < l->channels; c++) {
-            const double power = light_channel(l->lights, t.light->intensity, c) *
-                                 light_channel(l->lights, look->reflectance, c);
+            const double intensity = light_channel(l->lights, t.light->intensity, c);
+            const double sent = intensity * light_channel(l->lights, look->reflectance, c);
 
+            e->power += intensity * flux / l->channels;
             for (int k = 0; k < RULE_Q; k++)
-                out[c * RULE_Q + k] += power * weights[k] / area[k];
+                out[c * RULE_Q + k] += sent * weights[k] / area[k];
         }
     }
 }

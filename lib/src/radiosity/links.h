@@ -19,8 +19,9 @@ typedef struct links_element {
     cell     c;
     double   area, low[3], high[3], centre[3];
     double   direct_min, direct_max; /* of irradiance straight from the lights */
-    double   rough; /* error of interpolating it */
-    double   rho;   /* mean of the channels */
+    double   rough;                  /* error of the polynomial for its radiosity */
+    double   rough_direct;           /* the same due to the direct light */
+    double   power;       /* put in by lights and emission, mean of the channels */
     double   e_min, b_max; /* of the solution so far; guesses before the first */
 } links_element;
 
@@ -66,7 +67,8 @@ typedef struct links {
     double              eps;      /* error a link may make, relative to its receiver */
     double              accuracy; /* of near-field weights, a form factor */
     double              ambient, floor; /* mean indirect irradiance; least E errors refer to */
-    double              contraction;
+    double              contraction;   /* of one interreflection */
+    double              energy_defect; /* of the power put in */
     int                 iterations;
     uint64_t            peak_bytes;
 } links;
@@ -92,7 +94,6 @@ void links_clear(links *l);
 int  links_relight(links *l); /* after lights or looks changed */
 int  links_split(links *l, size_t element, int axis);
 int  links_may_split(const links *l, const links_element *e, int axis);
-void links_look_at_light(links *l, links_element *e); /* direct_*, rough */
 void links_region(const links *l, const links_element *e, region *out);
 /* Leaf at (s, t) of the face, and the place within it. */
 size_t links_leaf_at(const links *l, const face *f, double s, double t, double *u, double *v);
@@ -103,14 +104,22 @@ int links_refine(links *l);
 /* kernel.c: coefficients of links that have none; sorts links by receiver. */
 int links_fill(links *l);
 
-/* solve.c */
-int    links_solve(links *l, double tolerance, int max_iterations);
-double links_energy_defect(links *l);
+void links_set_source(links *l);
+void links_node_areas(const links *l, const links_element *e, double area[RULE_Q]);
+void links_run(const links *l, size_t n, void (*task)(void *arg, size_t i), void *arg);
 
-/* tight.c */
-/* Indirect irradiance at x as the solution's radiosity gives it by one tight gathering;
- * `at` is the surface x lies on. channels values. */
-void links_gather(const links *l, const double x[3], const double normal[3], uint32_t at,
+/* solve.c: irradiance and radiosity of all elements, contraction, iterations, energy_defect. */
+int links_solve(links *l, double tolerance, int max_iterations);
+
+/* tight.c: indirect irradiance at x as the solution's radiosity gives it by one gathering of its
+ * own; `skip` is the surface x lies on, or LCOR_BVH_NONE. `channels` values. */
+void links_gather(const links *l, const double x[3], const double normal[3], uint32_t skip,
                   double accuracy, double *out);
+
+/* Estimated errors from about n points spread over the leaves by area. */
+typedef struct links_errors {
+    double rms, max;
+} links_errors;
+int links_estimate(links *l, size_t n, links_errors *out);
 
 #endif

@@ -140,7 +140,7 @@ static int blocks(const scene_surface *o, const double *corners, const region *a
 }
 
 long occluders_between(const lcor_scene *scene, const region *a, const region *b,
-                       const uint32_t *in, size_t count, uint32_t *out)
+                       const uint32_t *in, size_t count, uint32_t *out, size_t room)
 {
     const double touch = SCENE_TOUCH * scene->diameter;
     shaft        s = {0};
@@ -160,6 +160,8 @@ long occluders_between(const lcor_scene *scene, const region *a, const region *b
             continue;
         if (blocks(o, corners, a, b, touch))
             return OCCLUDERS_BLOCK;
+        if ((size_t)kept == room)
+            return OCCLUDERS_CROWD;
         out[kept++] = id;
     }
     return kept;
@@ -182,7 +184,7 @@ static int light_blocks(const scene_surface *o, const double *corners, const lco
 }
 
 long occluders_of_light(const lcor_scene *scene, const lcor_light *light, const region *a,
-                        const uint32_t *in, size_t count, uint32_t *out)
+                        const uint32_t *in, size_t count, uint32_t *out, size_t room)
 {
     const double touch = SCENE_TOUCH * scene->diameter;
     const int    parallel = light->kind == LCOR_LIGHT_DIRECTIONAL;
@@ -218,6 +220,8 @@ long occluders_of_light(const lcor_scene *scene, const lcor_light *light, const 
             continue;
         if (light_blocks(o, corners, light, a, 4 * scene->diameter, touch))
             return OCCLUDERS_BLOCK;
+        if ((size_t)kept == room)
+            return OCCLUDERS_CROWD;
         out[kept++] = id;
     }
     return kept;

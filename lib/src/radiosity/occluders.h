@@ -9,16 +9,16 @@ typedef struct region { /* a cell of a face as four corners and its normal */
     double corners[4][3], normal[3];
 } region;
 
-enum { OCCLUDERS_BLOCK = -1 };
+enum { OCCLUDERS_BLOCK = -1, OCCLUDERS_CROWD = -2 };
 
 /* Filters `in` (NULL: all surfaces, count of them) to what may stand between a and b, which face
- * each other; `out` has room for `count`. Returns how many, or OCCLUDERS_BLOCK if one of them
- * hides all of b from all of a. */
+ * each other. Returns how many, OCCLUDERS_BLOCK if one of them hides all of b from all of a, or
+ * OCCLUDERS_CROWD if there are more than `room`. */
 long occluders_between(const lcor_scene *scene, const region *a, const region *b,
-                       const uint32_t *in, size_t count, uint32_t *out);
+                       const uint32_t *in, size_t count, uint32_t *out, size_t room);
 
 /* The same between a light and a. */
 long occluders_of_light(const lcor_scene *scene, const lcor_light *light, const region *a,
-                        const uint32_t *in, size_t count, uint32_t *out);
+                        const uint32_t *in, size_t count, uint32_t *out, size_t room);
 
 #endif

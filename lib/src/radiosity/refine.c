@@ -9,9 +9,11 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* Where a link's form factor is compared with its interpolation over the receiver. */
-static const double test_s[5] = {0.02, 0.02, 0.5, 0.98, 0.98};
-static const double test_t[5] = {0.02, 0.98, 0.5, 0.02, 0.98};
+/* Where a link's form factor is compared with its interpolation over the receiver: the ends of
+ * either axis, which tell along which one the receiver is too long, and two corners. */
+enum { TESTS = 6 };
+static const double test_s[TESTS] = {0.02, 0.98, 0.5, 0.5, 0.02, 0.98};
+static const double test_t[TESTS] = {0.5, 0.5, 0.02, 0.98, 0.02, 0.98};
 
 /* Part of a defect seen in the worst corner that is left in the norm, and the part of a sender's
  * roughness that is left after integration. */
@@ -54,7 +56,7 @@ static int classify(links *l, pair *p)
     if (!room)
         return -1;
     kept = occluders_between(l->scene, &r, &s, (const uint32_t *)l->occluders.items + p->first,
-                             p->count, room);
+                             p->count, room, p->count);
     if (kept == OCCLUDERS_BLOCK)
         return 0;
     if ((uint32_t)kept < p->count) {
@@ -72,8 +74,9 @@ static void nearest(const links_element *a, const links_element *b, double out[3
         out[k] = fmax(a->low[k], fmin(a->high[k], b->centre[k]));
 }
 
-/* The receiver oracle: the form factor interpolated from the receiver's nodes against itself. */
-static double measure(const links *l, const pair *p)
+/* The receiver oracle: the form factor interpolated from the receiver's nodes against itself. Returns
+ * the worst defect and, in axis[], that at the ends of each axis. */
+static double measure(const links *l, const pair *p, double axis[2])
 {
     const links_element *r = links_at(l, p->receiver), *s = links_at(l, p->sender);
     const face          *fr = links_face_of(l, r), *fs = links_face_of(l, s);
@@ -86,26 +89,19 @@ static double measure(const links *l, const pair *p)
                    r->c.t0 + rule_x[k % RULE_P] * r->c.ht, x);
         value[k] = transfer_factor(&t, fs, &s->c);
     }
-    for (int i = 0; i < 5; i++) {
-        double at_s[RULE_P], at_t[RULE_P];
+    axis[0] = axis[1] = 0;
+    for (int i = 0; i < TESTS; i++) {
+        double at_s[RULE_P], at_t[RULE_P], defect;
 
         face_point(fr, r->c.s0 + test_s[i] * r->c.hs, r->c.t0 + test_t[i] * r->c.ht, x);
         rule_values(test_s[i], at_s);
         rule_values(test_t[i], at_t);
-        worst = fmax(worst, fabs(transfer_factor(&t, fs, &s->c) -
-                                 rule_interpolate(value, at_s, at_t)));
+        defect = fabs(transfer_factor(&t, fs, &s->c) - rule_interpolate(value, at_s, at_t));
+        worst = fmax(worst, defect);
+        if (i < 4)
+            axis[i / 2] = fmax(axis[i / 2], defect);
     }
     return worst;
-}
-
-/* Axis along which to split an element seen with ellipse parameters q, or -1. */
-static int choose_axis(const links *l, const links_element *e, const double q[2])
-{
-    const int first = q[0] <= q[1] ? 0 : 1;
-
-    if (links_may_split(l, e, first))
-        return first;
-    return links_may_split(l, e, 1 - first) ? 1 - first : -1;
 }
 
 /* Longer side of an element. */
@@ -119,13 +115,27 @@ static int long_axis(const links *l, const links_element *e)
     return vec_dot(a, a) >= vec_dot(b, b) ? 0 : 1;
 }
 
+/* Defect of the receiver that splitting it along *axis would mend, times `scale`. */
+static double receiver_defect(const links *l, const pair *p, double scale, int *axis)
+{
+    const links_element *r = links_at(l, p->receiver);
+    double               along[2];
+    const double         worst = measure(l, p, along);
+
+    *axis = along[0] >= along[1] ? 0 : 1;
+    if (links_may_split(l, r, *axis))
+        return worst * scale;
+    *axis = 1 - *axis;
+    return links_may_split(l, r, *axis) ? along[*axis] * scale : 0;
+}
+
 typedef enum verdict { ACCEPT, SPLIT_RECEIVER, SPLIT_SENDER } verdict;
 
 static verdict judge(const links *l, const pair *p, int *axis)
 {
     const links_element *r = links_at(l, p->receiver), *s = links_at(l, p->sender);
     double               from[3], qs[2], qr[2], d[3], distance, factor, scale, receiver, sender;
-    int                  receiver_axis, sender_axis;
+    int                  receiver_axis = 0, sender_axis;
 
     nearest(r, s, from);
     distance = sqrt(transfer_ellipse(from, links_face_of(l, s), &s->c, qs));
@@ -136,16 +146,14 @@ static verdict judge(const links *l, const pair *p, int *axis)
     factor = s->area / (pi * distance * distance + s->area); /* at most, of a disc */
     scale = 1 / fmax(r->e_min, l->floor);
     receiver = factor * s->b_max * scale * pow(fmin(qr[0], qr[1]), -RULE_P);
-    sender = factor * s->rho * s->rough * scale * rough_share;
-    receiver_axis = choose_axis(l, r, qr);
+    sender = factor * s->rough * scale * rough_share * pow(fmin(qs[0], qs[1]), -RULE_P);
     sender_axis = long_axis(l, s);
     if (!links_may_split(l, s, sender_axis))
         sender = 0;
-    if (receiver > l->eps && receiver_axis >= 0) {
-        receiver = measure(l, p) * s->b_max * scale * corner_share;
-    } else {
+    if (receiver > l->eps && (links_may_split(l, r, 0) || links_may_split(l, r, 1)))
+        receiver = receiver_defect(l, p, s->b_max * scale * corner_share, &receiver_axis);
+    else
         receiver = 0;
-    }
     if (receiver > l->eps && receiver >= sender) {
         *axis = receiver_axis;
         return SPLIT_RECEIVER;

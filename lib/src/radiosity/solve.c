@@ -105,8 +105,7 @@ static void push(links *l)
     }
 }
 
-/* out = irradiance at the leaves that radiosity source + rho * in causes; either may be left out. */
-static void transport(links *l, const double *in, int with_source, double *out)
+static void set_radiosity(links *l, const double *irradiance, int with_source)
 {
     const size_t values = (size_t)(RULE_Q * l->channels);
 
@@ -114,8 +113,15 @@ static void transport(links *l, const double *in, int with_source, double *out)
         const int leaf = links_at(l, i)->leaf;
 
         if (leaf >= 0)
-            reflect(l, i, in ? in + (size_t)leaf * values : NULL, with_source);
+            reflect(l, i, irradiance ? irradiance + (size_t)leaf * values : NULL, with_source);
     }
+}
+
+/* Irradiance of the leaves that their radiosity causes. */
+static void transport(links *l, double *out)
+{
+    const size_t values = (size_t)(RULE_Q * l->channels);
+
     pull(l);
     memset(l->irradiance.items, 0, l->elements.count * values * sizeof(double));
     links_run(l, RECEIVERS, receive_task, l);
@@ -197,137 +203,192 @@ static void combine(hessenberg *s, int steps, size_t n, const double *basis, dou
             x[i] += y[j] * basis[(size_t)j * n + i];
 }
 
+/* How far the polynomial of a split element is from that of its half h, mean of the channels. */
+static double halves_differ(const links *l, const links_element *e, const double *b, int h)
+{
+    const double *half = links_values(l, &l->radiosity, (size_t)(e->child + h));
+    double        worst = 0, pushed[RULE_Q];
+
+    for (int c = 0; c < l->channels; c++) {
+        double most = 0;
+
+        memset(pushed, 0, sizeof pushed);
+        rule_push(e->axis, h, b + c * RULE_Q, pushed);
+        for (int k = 0; k < RULE_Q; k++)
+            most = fmax(most, fabs(pushed[k] - half[c * RULE_Q + k]));
+        worst += most / l->channels;
+    }
+    return worst;
+}
+
+static void set_bounds(links *l, size_t i)
+{
+    links_element *e = links_at(l, i);
+    const double  *b = links_values(l, &l->radiosity, i), *in = links_values(l, &l->irradiance, i);
+    double         least = INFINITY;
+
+    e->rough = e->rough_direct;
+    if (e->child >= 0) {
+        const links_element *child = links_at(l, (size_t)e->child);
+
+        e->b_max = fmax(child[0].b_max, child[1].b_max);
+        e->e_min = fmin(child[0].e_min, child[1].e_min);
+        e->rough = fmax(child[0].rough, child[1].rough) + fmax(halves_differ(l, e, b, 0), halves_differ(l, e, b, 1));
+        return;
+    }
+    e->b_max = 0;
+    for (int k = 0; k < RULE_Q; k++) {
+        double b_mean = 0, in_mean = 0;
+
+        for (int c = 0; c < l->channels; c++) {
+            b_mean += fabs(b[c * RULE_Q + k]) / l->channels;
+            in_mean += in[c * RULE_Q + k] / l->channels;
+        }
+        e->b_max = fmax(e->b_max, b_mean);
+        least = fmin(least, in_mean);
+    }
+    e->e_min = e->direct_min + fmax(least, 0);
+}
+
 /* What the solution means for the next refinement, and the elements' values for evaluation. */
 static void accept_solution(links *l, const double *x)
 {
     const size_t values = (size_t)(RULE_Q * l->channels);
 
-    for (size_t i = 0; i < l->elements.count; i++) {
+    set_radiosity(l, x, 1);
+    pull(l);
+    for (size_t i = l->elements.count; i-- > 0;) {
         const int leaf = links_at(l, i)->leaf;
 
         if (leaf >= 0)
-            reflect(l, i, x + (size_t)leaf * values, 1);
+            memcpy(links_values(l, &l->irradiance, i), x + (size_t)leaf * values,
+                   values * sizeof *x);
+        set_bounds(l, i);
     }
-    pull(l);
-    for (size_t i = l->elements.count; i-- > 0;) {
-        links_element *e = links_at(l, i);
+}
 
-        if (e->leaf >= 0) {
-            const double *b = links_values(l, &l->radiosity, i);
-            const double *in = x + (size_t)e->leaf * values;
+/* Power that is sent towards surfaces but not received, of the power put in. What of a node's
+ * hemisphere is open follows from the row sums: as receiver and, by reciprocity, as sender. */
+static double energy_defect(links *l, const double *x, double *seen)
+{
+    const size_t values = (size_t)(RULE_Q * l->channels);
+    double       defect = 0, power = 0;
 
-            memcpy(links_values(l, &l->irradiance, i), in, values * sizeof *in);
-            e->b_max = e->e_min = 0;
-            for (int k = 0; k < RULE_Q; k++) {
-                double b_mean = 0, e_mean = 0;
+    for (size_t i = 0; i < l->elements.count; i++)
+        if (links_at(l, i)->leaf >= 0)
+            for (size_t k = 0; k < values; k++)
+                links_values(l, &l->radiosity, i)[k] = 1;
+    transport(l, seen);
+    for (size_t i = 0; i < l->elements.count; i++) {
+        const links_element *e = links_at(l, i);
+        double               area[RULE_Q];
 
-                for (int c = 0; c < l->channels; c++) {
-                    b_mean += fabs(b[c * RULE_Q + k]) / l->channels;
-                    e_mean += in[c * RULE_Q + k] / l->channels;
-                }
-                e->b_max = fmax(e->b_max, b_mean);
-                e->e_min = k == 0 ? e_mean : fmin(e->e_min, e_mean);
-            }
-            e->e_min = e->direct_min + fmax(e->e_min, 0);
-        } else {
-            e->b_max = fmax(links_at(l, (size_t)e->child)->b_max,
-                            links_at(l, (size_t)e->child + 1)->b_max);
-            e->e_min = fmin(links_at(l, (size_t)e->child)->e_min,
-                            links_at(l, (size_t)e->child + 1)->e_min);
-        }
+        if (e->leaf < 0)
+            continue;
+        reflect(l, i, x + (size_t)e->leaf * values, 1);
+        links_node_areas(l, e, area);
+        power += e->power * l->channels;
+        for (size_t k = 0; k < values; k++)
+            defect += area[k % RULE_Q] * (links_values(l, &l->radiosity, i)[k] *
+                                              seen[(size_t)e->leaf * values + k] -
+                                          x[(size_t)e->leaf * values + k]);
     }
+    return power > 0 ? fabs(defect) / power : 0;
+}
+
+/* Columns of the work array: weight (a leaf each), then vectors of n: right side, x, basis. */
+typedef struct work {
+    links     *l;
+    size_t     n;
+    hessenberg s;
+} work;
+
+static double *weights_of(const work *w) { return w->l->krylov.items; }
+
+static double *vector_of(const work *w, int i)
+{
+    return weights_of(w) + w->l->leaf_count + (size_t)i * w->n;
+}
+
+static int need_vectors(work *w, int count)
+{
+    w->l->krylov.count = 0;
+    return lcor_array_reserve(&w->l->allocator, &w->l->krylov,
+                              w->l->leaf_count + (size_t)count * w->n, sizeof(double)) != NULL;
+}
+
+/* Room for more vectors, those there are kept. */
+static int grow_vectors(work *w, int basis)
+{
+    lcor_array *a = &w->l->krylov;
+    const size_t used = w->l->leaf_count + (size_t)(2 + basis - 8) * w->n;
+
+    a->count = used;
+    return lcor_array_reserve(&w->l->allocator, a, 8 * w->n, sizeof(double)) != NULL;
+}
+
+static double length_of(const work *w, const double *v)
+{
+    return sqrt(product(w->l, weights_of(w), v, v));
+}
+
+/* One step of Arnoldi's method: basis vector k + 1. */
+static void arnoldi(work *w, int k)
+{
+    double *v = vector_of(w, 2 + k), *next = v + w->n, length;
+
+    set_radiosity(w->l, v, 0);
+    transport(w->l, next);
+    for (size_t i = 0; i < w->n; i++)
+        next[i] = v[i] - next[i];
+    for (int j = 0; j <= k; j++) {
+        const double *u = vector_of(w, 2 + j);
+
+        w->s.h[j][k] = product(w->l, weights_of(w), next, u);
+        for (size_t i = 0; i < w->n; i++)
+            next[i] -= w->s.h[j][k] * u[i];
+    }
+    length = length_of(w, next);
+    w->s.h[k + 1][k] = length;
+    for (size_t i = 0; length > 0 && i < w->n; i++)
+        next[i] /= length;
+    rotate(&w->s, k);
 }
 
 int links_solve(links *l, double tolerance, int max_iterations)
 {
-    hessenberg   s = {0};
-    const int    most = max_iterations < KRYLOV_MAX ? max_iterations : KRYLOV_MAX;
-    size_t       n;
-    double      *weight, *b, *x, *basis, norm, beta;
-    int          k = 0;
+    const int most = max_iterations < KRYLOV_MAX ? max_iterations : KRYLOV_MAX;
+    work      w = {l, 0, {{{0}}, {0}, {0}, {0}}};
+    double    norm, beta = 0, *first;
+    int       k = 0, capacity = 8;
 
     number_leaves(l, NULL);
-    n = l->leaf_count * (size_t)(RULE_Q * l->channels);
-    l->krylov.count = 0;
-    weight = lcor_array_reserve(&l->allocator, &l->krylov, l->leaf_count + n * 4, sizeof *weight);
-    if (!weight)
+    w.n = l->leaf_count * (size_t)(RULE_Q * l->channels);
+    if (!need_vectors(&w, 2 + capacity))
         return 0;
-    number_leaves(l, weight);
-    l->krylov.count = l->leaf_count + n * 2;
-    transport(l, NULL, 1, weight + l->leaf_count);
-    memcpy(weight + l->leaf_count + n, weight + l->leaf_count, n * sizeof *weight);
-    norm = sqrt(product(l, weight, weight + l->leaf_count, weight + l->leaf_count));
-    l->contraction = 0;
-    /* Residual of x = b is transport(b): the first vector of the basis. */
-    if (norm > 0) {
-        double *r = weight + l->leaf_count + 2 * n;
-
-        transport(l, weight + l->leaf_count, 0, r);
-        beta = sqrt(product(l, weight, r, r));
-        l->contraction = beta / norm;
-        s.g[0] = beta;
-        for (size_t i = 0; beta > 0 && i < n; i++)
-            r[i] /= beta;
-        while (k < most && fabs(s.g[k]) > tolerance * norm) {
-            double *v, *w, length;
-
-            if (!lcor_array_reserve(&l->allocator, &l->krylov, n * ((size_t)k + 2),
-                                    sizeof *weight))
-                return 0;
-            weight = l->krylov.items;
-            basis = weight + l->leaf_count + 2 * n;
-            v = basis + (size_t)k * n;
-            w = v + n;
-            transport(l, v, 0, w);
-            for (size_t i = 0; i < n; i++)
-                w[i] = v[i] - w[i];
-            for (int j = 0; j <= k; j++) {
-                const double *u = basis + (size_t)j * n;
-
-                s.h[j][k] = product(l, weight, w, u);
-                for (size_t i = 0; i < n; i++)
-                    w[i] -= s.h[j][k] * u[i];
-            }
-            length = sqrt(product(l, weight, w, w));
-            s.h[k + 1][k] = length;
-            for (size_t i = 0; length > 0 && i < n; i++)
-                w[i] /= length;
-            rotate(&s, k++);
-        }
+    number_leaves(l, weights_of(&w));
+    set_radiosity(l, NULL, 1);
+    transport(l, vector_of(&w, 0));
+    memcpy(vector_of(&w, 1), vector_of(&w, 0), w.n * sizeof(double));
+    norm = length_of(&w, vector_of(&w, 0));
+    if (norm > 0) { /* the residual of x = right side is one more reflection of it */
+        first = vector_of(&w, 2);
+        set_radiosity(l, vector_of(&w, 0), 0);
+        transport(l, first);
+        beta = length_of(&w, first);
+        for (size_t i = 0; beta > 0 && i < w.n; i++)
+            first[i] /= beta;
     }
-    weight = l->krylov.items;
-    b = weight + l->leaf_count;
-    x = b + n;
-    combine(&s, k, n, x + n, x);
+    l->contraction = norm > 0 ? beta / norm : 0;
+    w.s.g[0] = beta;
+    while (k < most && fabs(w.s.g[k]) > tolerance * norm) {
+        if (k + 2 > capacity && !grow_vectors(&w, capacity += 8))
+            return 0;
+        arnoldi(&w, k++);
+    }
+    combine(&w.s, k, w.n, vector_of(&w, 2), vector_of(&w, 1));
     l->iterations = k;
-    accept_solution(l, x);
+    l->energy_defect = energy_defect(l, vector_of(&w, 1), vector_of(&w, 2));
+    accept_solution(l, vector_of(&w, 1));
     return 1;
-}
-
-/* Power that is sent towards surfaces and not received, of the power put in. Openness of a node is
- * what of its hemisphere sees no surface: as receiver and, by reciprocity, as sender. */
-double links_energy_defect(links *l)
-{
-    const size_t values = (size_t)(RULE_Q * l->channels);
-    double       in = 0, sent = 0, received = 0;
-
-    (void)values;
-    for (size_t i = 0; i < l->elements.count; i++) {
-        const links_element *e = links_at(l, i);
-        const lcor_surface  *look =
-            &scene_surface_at(l->scene, links_face_of(l, e)->surface)->look;
-        const double *source = links_values(l, &l->source, i);
-        double        area[RULE_Q];
-
-        if (e->leaf < 0)
-            continue;
-        links_node_areas(l, e, area);
-        for (int k = 0; k < (int)values; k++) {
-            const double rho = light_channel(l->lights, look->reflectance, k / RULE_Q);
-
-            in += area[k % RULE_Q] * source[k];
-            (void)rho;
-        }
-    }
-    return in > 0 ? fabs(sent - received) / in : 0;
 }

@@ -36,7 +36,7 @@ static double brightness(const links *l, size_t f, const double x[3])
     return sum;
 }
 
-void links_look_at_light(links *l, links_element *e)
+static void look_at_light(const links *l, links_element *e)
 {
     const face *f = links_face_of(l, e);
     double      value[RULE_Q], lowest = INFINITY, highest = 0, worst = 0;
@@ -63,7 +63,7 @@ void links_look_at_light(links *l, links_element *e)
     }
     e->direct_min = lowest;
     e->direct_max = highest;
-    e->rough = worst;
+    e->rough_direct = worst;
 }
 
 static void set_look(links *l, links_element *e)
@@ -76,8 +76,9 @@ static void set_look(links *l, links_element *e)
         rho += light_channel(l->lights, look->reflectance, c) / l->channels;
         emission += light_channel(l->lights, look->emission, c) / l->channels;
     }
-    links_look_at_light(l, e);
-    e->rho = rho;
+    look_at_light(l, e);
+    e->rough_direct *= rho;
+    e->rough = e->rough_direct;
     e->b_max = emission + rho * (e->direct_max + l->ambient);
     e->e_min = e->direct_min + 0.5 * l->ambient;
 }
@@ -208,7 +209,7 @@ static int find_shadows(links *l)
             face_cell_corners(at, &all, r.corners);
             vec_copy(at->normal, r.normal);
             count = occluders_of_light(l->scene, scene_light_at(l->scene, i), &r, NULL, surfaces,
-                                       room);
+                                       room, surfaces);
             shadow->dark = count == OCCLUDERS_BLOCK;
             shadow->first = (uint32_t)l->occluders.count;
             shadow->count = count > 0 ? (uint32_t)count : 0;

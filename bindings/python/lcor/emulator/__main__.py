@@ -13,7 +13,7 @@ from . import faults as wire
 from .channel import Pty, SerialPort, Unplugged
 
 MODELS = {"printalyzer": printalyzer, "line": line, "xrite-rci": rci, "colorhug2": colorhug2}
-SETTLE = 0.3  # seconds of silence after the last command before somebody presses
+SETTLE = 0.1  # seconds of silence after the last command before somebody presses
 
 
 def arguments() -> argparse.Namespace:

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 200809L
+#include "command/find.h"
 #include "instrument/instrument.h"
 #include "lccal.h"
-#include "session/find.h"
 #include "transport/ports.h"
 
 #include <stdio.h>
@@ -42,7 +42,7 @@ static void port_name(const port_info *port, char *out, size_t capacity)
 
 static void show(const port_info *port, const usb_model *model)
 {
-    char        name[96];
+    char name[96];
     const char *obstacle = find_obstacle(port, model);
     const char *title = model ? model->title : *port->title ? port->title : "USB device";
     port_name(port, name, sizeof name);
@@ -75,16 +75,16 @@ static bool is_repeated(const port_info *ports, size_t i)
 
 int cmd_list(int argc, char **argv)
 {
-    static port_info   ports[PORTS_MAX];
-    bool               all = false;
+    static port_info ports[PORTS_MAX];
+    bool all = false;
     const lccal_option options[] = {{"--all", NULL, LCCAL_FLAG, &all}};
-    const int          parsed = lccal_parse_options(&argc, argv, options, 1, help);
+    const int parsed = lccal_parse_options(&argc, argv, options, 1, help);
     if (parsed != LCCAL_OK)
         return parsed < 0 ? LCCAL_OK : parsed;
     if (argc > 1)
         return lccal_fail(LCCAL_USAGE, "list takes no '%s'", argv[1]);
     const size_t count = ports_scan(ports, PORTS_MAX);
-    size_t       shown = 0;
+    size_t shown = 0;
     for (size_t i = 0; i < count; i++) {
         const usb_model *model = usb_model_find(ports[i].vendor, ports[i].product);
         if (is_repeated(ports, i) || (!model && (!all || !*ports[i].path)))
@@ -98,12 +98,12 @@ int cmd_list(int argc, char **argv)
     return LCCAL_OK;
 }
 
-int lccal_find_port(char *port, size_t capacity, const char **instrument)
+int lccal_find_port(char *port, size_t capacity, const char **driver)
 {
     static port_info ports[PORTS_MAX];
-    const size_t     count = ports_scan(ports, PORTS_MAX);
-    size_t           usable = 0, known = 0;
-    const char      *why = NULL;
+    const size_t count = ports_scan(ports, PORTS_MAX);
+    size_t usable = 0, known = 0;
+    const char *why = NULL;
     for (size_t i = 0; i < count; i++) {
         const usb_model *model = usb_model_find(ports[i].vendor, ports[i].product);
         if (!model || is_repeated(ports, i))
@@ -116,18 +116,20 @@ int lccal_find_port(char *port, size_t capacity, const char **instrument)
         }
         if (usable++ == 0) {
             port_name(&ports[i], port, capacity);
-            *instrument = model->driver;
+            *driver = model->driver;
         }
     }
     if (usable == 1)
         return LCCAL_OK;
     if (usable > 1)
-        return lccal_fail(LCCAL_USAGE, "%zu instruments are plugged in; choose one of `lccal list` "
-                                       "with --port",
+        return lccal_fail(LCCAL_USAGE,
+                          "%zu instruments are plugged in; choose one of `lccal list` "
+                          "with --port",
                           usable);
     if (known > 0)
-        return lccal_fail(LCCAL_NO_INSTRUMENT, "the instrument that is plugged in cannot be used: "
-                                               "%s",
+        return lccal_fail(LCCAL_NO_INSTRUMENT,
+                          "the instrument that is plugged in cannot be used: "
+                          "%s",
                           why);
     return lccal_fail(LCCAL_NO_INSTRUMENT, "no known instrument is plugged in; connect it, or name "
                                            "its --port and --instrument");

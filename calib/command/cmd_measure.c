@@ -31,12 +31,12 @@ static const char help[] =
 /* What was found, to people and programs. */
 static void tell(const lcor_profile *profile, const lcor_profile_result *r, const char *path)
 {
-    char                 bright[32], dark[32], c[32], u[32] = "";
+    char bright[32], dark[32], c[32], u[32] = "";
     lcor_profile_reading first;
-    const bool           display = lcor_profile_reading_get(profile, 0, &first, NULL) == LCOR_OK &&
+    const bool display = lcor_profile_reading_get(profile, 0, &first, NULL) == LCOR_OK &&
                          (first.has & LCOR_HAS_XYZ) && !(first.has & LCOR_HAS_VISUAL);
-    const double         white = display ? 100.0 * pow(10.0, -r->d_min) : r->d_min;
-    const double         black = display ? 100.0 * pow(10.0, -r->d_max) : r->d_max;
+    const double white = display ? 100.0 * pow(10.0, -r->d_min) : r->d_min;
+    const double black = display ? 100.0 * pow(10.0, -r->d_max) : r->d_max;
     lccal_format_number(bright, sizeof bright, white, 3);
     lccal_format_number(dark, sizeof dark, black, 3);
     lccal_format_number(c, sizeof c, r->contrast, 2);
@@ -58,8 +58,8 @@ static void tell(const lcor_profile *profile, const lcor_profile_result *r, cons
 static int store(const lcor_profile *profile, const char *path)
 {
     lcor_profile_result r;
-    lcor_error          err;
-    size_t              size = 0;
+    lcor_error err;
+    size_t size = 0;
     if (lcor_profile_evaluate(profile, &r, &err) != LCOR_OK ||
         lcor_profile_format(profile, NULL, 0, &size, &err) != LCOR_OK)
         return lccal_fail(LCCAL_REJECTED, "%s", err.text);
@@ -96,8 +96,8 @@ static int measure_and_store(const lccal_measure_options *o, const char *output,
                              const char *const print[3])
 {
     static const char *const names[3] = {"MATERIAL", "SAMPLE_BACKING", "PRINT_CONDITIONS"};
-    lcor_profile            *profile = NULL;
-    int                      result = lccal_measure(o, &profile);
+    lcor_profile *profile = NULL;
+    int result = lccal_measure(o, &profile);
     for (int i = 0; result == LCCAL_OK && i < 3; i++) {
         lcor_error err;
         if (print[i] && lcor_profile_keyword_set(profile, names[i], print[i], &err) != LCOR_OK)
@@ -114,9 +114,9 @@ static int measure_and_store(const lccal_measure_options *o, const char *output,
 int cmd_measure(int argc, char **argv)
 {
     lccal_measure_options o = {.readings = 5, .positions = 1, .timeout = 120.0};
-    const char           *output = "profile.cgats";
-    const char           *print[3] = {NULL, NULL, NULL};
-    const lccal_option    options[] = {
+    const char *output = "profile.cgats";
+    const char *print[3] = {NULL, NULL, NULL};
+    const lccal_option options[] = {
         {"--port", NULL, LCCAL_TEXT, &o.port},
         {"--instrument", NULL, LCCAL_TEXT, &o.instrument},
         {"--output", "-o", LCCAL_TEXT, &output},
@@ -142,14 +142,16 @@ int cmd_measure(int argc, char **argv)
     if (result != LCCAL_OK)
         return result;
     char found[128];
+    const char *driver;
     if (!o.port) {
-        result = lccal_find_port(found, sizeof found, &o.instrument);
+        result = lccal_find_port(found, sizeof found, &driver);
         if (result != LCCAL_OK)
             return result;
         o.port = found;
+        o.instrument = o.instrument ? o.instrument : driver;
     }
     const size_t n = strlen(output) + sizeof ".journal";
-    char        *path = malloc(n);
+    char *path = malloc(n);
     if (!path)
         return lccal_fail(LCCAL_FAILED, "out of memory");
     snprintf(path, n, "%s.journal", output);

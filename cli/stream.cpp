@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT */
+#include "stream.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cli
+{
+
+namespace
+{
+
+std::string first_line(const std::string &text)
+{
+    const std::string line = text.substr(0, text.find('\n'));
+    return line.empty() ? "not a picture OpenImageIO can read" : line;
+}
+
+} // namespace
+
+PictureReader::PictureReader(const std::string &path) : path_(path)
+{
+    read_start(path, 1); /* says why a file cannot be opened, which OpenImageIO does not */
+    OIIO::ImageSpec hints;
+    hints.attribute("oiio:UnassociatedAlpha", 1);
+    input_ = OIIO::ImageInput::open(path, &hints);
+    if (!input_)
+        fail(Exit::input, "cannot read '%s': %s", path.c_str(), first_line(OIIO::geterror()).c_str());
+    if (spec().deep || spec().depth > 1)
+        fail(Exit::input, "'%s' is a deep or volume picture; lcor takes flat ones", path.c_str());
+    if (spec().width <= 0 || spec().height <= 0 || spec().nchannels <= 0)
+        fail(Exit::input, "'%s' has no pixels", path.c_str());
+}
+
+bool PictureReader::premultiplied() const
+{
+    return spec().alpha_channel >= 0 && spec().get_int_attribute("oiio:UnassociatedAlpha") == 0;
+}
+
+size_t PictureReader::band_rows(size_t bytes) const
+{
+    const size_t unit = spec().tile_width > 0
+                            ? static_cast<size_t>(spec().tile_height)
+                            : static_cast<size_t>(std::max(spec().get_int_attribute("tiff:RowsPerStrip", 1), 1));
+    const size_t rows = std::max(bytes / std::max<size_t>(spec().scanline_bytes(), 1), size_t(1));
+    return std::min(std::max(rows / std::min(unit, height()) * unit, unit), height());
+}
+
+void PictureReader::read(size_t y0, size_t y1, OIIO::TypeDesc type, void *out)
+{
+    const OIIO::ImageSpec &s = spec();
+    const int first = s.y + static_cast<int>(y0), last = s.y + static_cast<int>(y1);
+    const bool good = s.tile_width > 0
+                          ? input_->read_tiles(0, 0, s.x, s.x + s.width, first, last, s.z, s.z + 1, 0,
+                                               s.nchannels, type, out)
+                          : input_->read_scanlines(0, 0, first, last, s.z, 0, s.nchannels, type, out);
+    if (!good)
+        fail(Exit::input, "cannot read the pixels of '%s': %s", path_.c_str(),
+             first_line(input_->geterror()).c_str());
+}
+
+PictureWriter::PictureWriter(const std::string &path, const OIIO::ImageSpec &spec) : file_(path)
+{
+    output_ = OIIO::ImageOutput::create(path);
+    if (!output_)
+        fail(Exit::usage, "'%s': no picture format has this extension; try .tif, .png, .jpg or .exr",
+             path.c_str());
+    OIIO::ImageSpec wanted = spec;
+    const std::string format = output_->format_name();
+    if (wanted.alpha_channel >= 0 && !output_->supports("alpha"))
+        fail(Exit::usage, "'%s': %s cannot hold the picture's alpha; write .png, .tif or .exr",
+             path.c_str(), format.c_str());
+    if (!output_->supports("tiles"))
+        wanted.tile_width = wanted.tile_height = wanted.tile_depth = 0;
+    premultiplied_ = wanted.alpha_channel >= 0 &&
+                     (format == "openexr" ||
+                      (format == "tiff" && spec.get_int_attribute("oiio:UnassociatedAlpha") == 0));
+    if (wanted.alpha_channel >= 0)
+        wanted.attribute("oiio:UnassociatedAlpha", premultiplied_ ? 0 : 1);
+    if (!output_->open(file_.temporary(), wanted))
+        fail(Exit::failed, "cannot write '%s': %s", path.c_str(), first_line(output_->geterror()).c_str());
+}
+
+PictureWriter::~PictureWriter() = default;
+
+void PictureWriter::write(size_t y0, size_t y1, OIIO::TypeDesc type, const void *rows)
+{
+    const OIIO::ImageSpec &s = spec();
+    const int first = s.y + static_cast<int>(y0), last = s.y + static_cast<int>(y1);
+    const bool good = s.tile_width > 0 ? output_->write_tiles(s.x, s.x + s.width, first, last, s.z,
+                                                              s.z + 1, type, rows)
+                                       : output_->write_scanlines(first, last, s.z, type, rows);
+    if (!good)
+        fail(Exit::failed, "cannot write '%s': %s", file_.path().c_str(),
+             first_line(output_->geterror()).c_str());
+}
+
+void PictureWriter::commit()
+{
+    if (!output_->close())
+        fail(Exit::failed, "cannot write '%s': %s", file_.path().c_str(),
+             first_line(output_->geterror()).c_str());
+    file_.commit();
+}
+
+MapReader::MapReader(const std::string &path, const lcor_colour &colour, size_t width, size_t height)
+    : picture_(path), colour_(colour), width_(width), height_(height), left_(width), weight_(width)
+{
+    const size_t columns = picture_.width();
+    const double ratio = static_cast<double>(columns) / static_cast<double>(width);
+    for (size_t x = 0; x < width; x++) {
+        const double at = std::clamp((static_cast<double>(x) + 0.5) * ratio - 0.5, 0.0,
+                                     static_cast<double>(columns - 1));
+        /* The last column is reached from its left neighbour with weight 1. */
+        left_[x] = static_cast<uint32_t>(
+            std::min(static_cast<size_t>(at), columns > 1 ? columns - 2 : size_t(0)));
+        weight_[x] = static_cast<float>(at - left_[x]);
+    }
+}
+
+double MapReader::place(size_t y) const
+{
+    const size_t rows = picture_.height();
+    return std::clamp((static_cast<double>(y) + 0.5) * static_cast<double>(rows) /
+                              static_cast<double>(height_) - 0.5,
+                      0.0, static_cast<double>(rows - 1));
+}
+
+/* Decode the rows around map row `y` and check them. */
+void MapReader::fetch(size_t y)
+{
+    const size_t columns = picture_.width(), channels = picture_.channels();
+    const size_t step = picture_.band_rows(size_t(4) << 20), first = y / step * step;
+    const size_t last = std::min(first + step, picture_.height());
+    std::swap(windows_[0], windows_[1]);
+    Band &window = windows_[0];
+    window.first = first;
+    window.values.resize((last - first) * columns);
+    std::vector<float> rows(window.values.size() * channels);
+    picture_.read(first, last, OIIO::TypeDesc::FLOAT, rows.data());
+    for (size_t i = 0; i < window.values.size(); i++) {
+        const float *const sample = &rows[i * channels];
+        double value = static_cast<double>(sample[0]);
+        if (channels >= 3)
+            value = colour_.to_xyz[3] * static_cast<double>(sample[0]) +
+                    colour_.to_xyz[4] * static_cast<double>(sample[1]) +
+                    colour_.to_xyz[5] * static_cast<double>(sample[2]);
+        if (!(value >= 0.0) || !std::isfinite(value))
+            fail(Exit::input, "illuminance map '%s' is %s at pixel (%zu, %zu); it must be 0 or more",
+                 picture_.path().c_str(), number_text(value).c_str(), i % columns, first + i / columns);
+        window.values[i] = static_cast<float>(value);
+    }
+}
+
+void MapReader::read(size_t y0, size_t y1, Band &band)
+{
+    const size_t columns = picture_.width(), rows = picture_.height();
+    const size_t first = static_cast<size_t>(place(y0));
+    const size_t last = std::min(static_cast<size_t>(place(y1 - 1)) + 2, rows);
+    const auto holds = [&](const Band &window, size_t y) {
+        return y >= window.first && y - window.first < window.values.size() / columns;
+    };
+    band.first = first;
+    band.values.clear();
+    for (size_t y = first; y < last;) {
+        if (!holds(windows_[0], y) && !holds(windows_[1], y))
+            fetch(y);
+        const Band &window = holds(windows_[0], y) ? windows_[0] : windows_[1];
+        const size_t end = std::min(last, window.first + window.values.size() / columns);
+        const auto start = window.values.begin() + static_cast<long>((y - window.first) * columns);
+        band.values.insert(band.values.end(), start, start + static_cast<long>((end - y) * columns));
+        y = end;
+    }
+}
+
+void MapReader::sample(const Band &band, size_t y, float *out) const
+{
+    const size_t columns = picture_.width(), rows = picture_.height();
+    const double at = place(y);
+    const size_t above = static_cast<size_t>(at), below = std::min(above + 1, rows - 1);
+    const float *const a = &band.values[(above - band.first) * columns];
+    const float *const b = &band.values[(below - band.first) * columns];
+    if (columns == width_ && rows == height_) {
+        std::copy_n(a, width_, out);
+        return;
+    }
+    const float t = static_cast<float>(at - static_cast<double>(above));
+    const size_t step = columns > 1 ? 1 : 0;
+    for (size_t x = 0; x < width_; x++) {
+        const size_t i = left_[x], j = i + step;
+        const float s = weight_[x];
+        const float upper = a[i] + s * (a[j] - a[i]), lower = b[i] + s * (b[j] - b[i]);
+        out[x] = upper + t * (lower - upper);
+    }
+}
+
+} // namespace cli

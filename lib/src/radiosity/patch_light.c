@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: MIT */
+#include "radiosity/patch_light.h"
+
+#include "geometry/vec.h"
+#include "radiosity/face.h"
+#include "radiosity/occluders.h"
+#include "radiosity/transfer.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { OCCLUDERS_MAX = 64 };
+
+static const double gauss2[2] = {0.21132486540518711775, 0.78867513459481288225};
+
+/* One light on one quad. Results are scalar, for intensity 1. */
+typedef struct quad_job {
+    const light_set     *set;
+    const lcor_light    *light;
+    const scene_surface *s;
+    face                 whole; /* the quad */
+    uint32_t             surface;
+    size_t               nu, nv, row0;
+    double               accuracy;
+    double              *out; /* of intensity 1, patch (row0, 0) first */
+    size_t               stride;
+    double               power[3];
+} quad_job;
+
+static void add(const quad_job *j, size_t row, size_t column, double value)
+{
+    double *out = j->out + ((row - j->row0) * j->nv + column) * (size_t)j->set->channels;
+
+    for (int c = 0; c < j->set->channels; c++)
+        out[c] += value * j->power[c];
+}
+
+/* Average over a patch by quadrature that adapts to the light's distance and clips at shadows. */
+static double exact_average(const quad_job *j, size_t row, size_t column,
+                            const uint32_t *occluders, size_t count)
+{
+    const cell     c = {(double)row / (double)j->nu, (double)column / (double)j->nv,
+                        1 / (double)j->nu, 1 / (double)j->nv};
+    const transfer t = {j->set->scene, NULL, NULL, j->light, occluders, count, j->accuracy};
+    double         weights[RULE_Q];
+
+    return transfer_weights(&t, &j->whole, &c, weights) / face_cell_area(&j->whole, &c);
+}
+
+/* Many surfaces in the way of one patch: rays to a grid of points. */
+static double sampled_average(const quad_job *j, size_t row, size_t column)
+{
+    double sum = 0;
+
+    for (int i = 0; i < RULE_Q; i++) {
+        double x[3], value;
+
+        face_point(&j->whole, ((double)row + rule_x[i / RULE_P]) / (double)j->nu,
+                   ((double)column + rule_x[i % RULE_P]) / (double)j->nv, x);
+        value = lcor_direct_unshadowed(j->light, x, j->whole.normal);
+        if (value > 0 && !lcor_direct_shadowed(j->set->scene, j->light, x, j->surface, NULL))
+            sum += rule_w[i / RULE_P] * rule_w[i % RULE_P] * value;
+    }
+    return sum;
+}
+
+/* Points a side that the average over an unshadowed patch of the block needs: 1 or 2, or 0 if it
+ * takes more. An n-point rule is good to q^-2n, q about distance over half the edge, twice. */
+static int points_needed(const quad_job *j, const cell *block)
+{
+    const double edge = 0.5 * fmax(vec_length(j->whole.u) / (double)j->nu,
+                                   vec_length(j->whole.v) / (double)j->nv);
+    double       ellipse[2], distance, q2;
+
+    if (j->light->kind == LCOR_LIGHT_DIRECTIONAL)
+        return 1;
+    if (j->light->kind == LCOR_LIGHT_SPOT || j->light->range > 0)
+        return 0;
+    distance = sqrt(transfer_ellipse(j->light->position, &j->whole, block, ellipse));
+    q2 = 4 * distance * distance / (edge * edge);
+    return 1 / q2 < j->accuracy ? 1 : 1 / (q2 * q2) < j->accuracy ? 2 : 0;
+}
+
+/* Averages of an isotropic or parallel light over unshadowed patches of one row. */
+static void clear_row(const quad_job *j, size_t row, size_t first, size_t end, int points)
+{
+    double height, from[3];
+
+    if (j->light->kind == LCOR_LIGHT_DIRECTIONAL) {
+        const double value = lcor_direct_unshadowed(j->light, j->whole.origin, j->whole.normal);
+
+        for (size_t k = first; k < end; k++)
+            add(j, row, k, value);
+        return;
+    }
+    vec_sub(j->light->position, j->whole.origin, from);
+    height = vec_dot(from, j->whole.normal);
+    if (!(height > 0))
+        return;
+    for (int a = 0; a < points; a++) {
+        const double s =
+            ((double)row + (points == 2 ? gauss2[a] : 0.5)) / (double)j->nu;
+        const double dx = s * j->whole.u[0] - from[0], dy = s * j->whole.u[1] - from[1],
+                     dz = s * j->whole.u[2] - from[2];
+        const double *v = j->whole.v;
+
+        for (int b = 0; b < points; b++)
+            for (size_t base = first; base < end; base += 16) {
+                const size_t n = end - base < 16 ? end - base : 16;
+                const double offset = (double)base + (points == 2 ? gauss2[b] : 0.5);
+                const double step = 1 / (double)j->nv, share = height / (points * points);
+                double       value[16];
+
+                for (int k = 0; k < 16; k++) {
+                    const double t = (offset + k) * step;
+                    const double x = dx + t * v[0], y = dy + t * v[1], z = dz + t * v[2];
+                    const double r2 = x * x + y * y + z * z;
+
+                    value[k] = share / (r2 * sqrt(r2));
+                }
+                for (size_t k = 0; k < n; k++)
+                    add(j, row, base + k, value[k]);
+            }
+    }
+}
+
+/* A block of patches, halved until it is clear, dark or a single patch. */
+static void light_block(const quad_job *j, size_t r0, size_t r1, size_t c0, size_t c1,
+                        const uint32_t *in, size_t in_count)
+{
+    const cell block = {(double)r0 / (double)j->nu, (double)c0 / (double)j->nv,
+                        (double)(r1 - r0) / (double)j->nu, (double)(c1 - c0) / (double)j->nv};
+    uint32_t   occluders[OCCLUDERS_MAX];
+    region     r;
+    long       count = 0;
+    int        points;
+
+    if (in_count > 0) {
+        face_cell_corners(&j->whole, &block, r.corners);
+        vec_copy(j->whole.normal, r.normal);
+        count = occluders_of_light(j->set->scene, j->light, &r, in, in_count, occluders,
+                                   OCCLUDERS_MAX);
+    }
+    if (count == OCCLUDERS_BLOCK)
+        return;
+    points = count == 0 ? points_needed(j, &block) : 0;
+    if (points > 0) {
+        for (size_t row = r0; row < r1; row++)
+            clear_row(j, row, c0, c1, points);
+    } else if (r1 - r0 == 1 && c1 - c0 == 1) {
+        add(j, r0, c0,
+            count == OCCLUDERS_CROWD ? sampled_average(j, r0, c0)
+                                     : exact_average(j, r0, c0, occluders, (size_t)count));
+    } else {
+        const int       rows = r1 - r0 >= c1 - c0;
+        const size_t    rm = rows ? (r0 + r1) / 2 : r1, cm = rows ? c1 : (c0 + c1) / 2;
+        const uint32_t *next = count == OCCLUDERS_CROWD ? in : occluders;
+        const size_t    n = count == OCCLUDERS_CROWD ? in_count : (size_t)count;
+
+        light_block(j, r0, rm, c0, cm, next, n);
+        light_block(j, rows ? rm : r0, r1, rows ? c0 : cm, c1, next, n);
+    }
+}
+
+static void quad_averages(const light_set *set, const scene_surface *s, size_t surface,
+                          size_t first, size_t count, double accuracy, double *out)
+{
+    quad_job j = {set, NULL, s, {{0}, {0}, {0}, {0}, {0}, {0}, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0},
+                  (uint32_t)surface, 0, 0, 0, accuracy, out, 0, {0}};
+
+    j.nu = s->look.patches[0] ? s->look.patches[0] : 1;
+    j.nv = s->look.patches[1] ? s->look.patches[1] : 1;
+    j.row0 = first / j.nv;
+    (void)face_set(&j.whole, s->origin, s->edge_u, s->edge_v, 0);
+    vec_copy(s->normal, j.whole.normal);
+    j.whole.surface = (uint32_t)surface;
+    for (size_t i = 0; i < set->scene->lights.count; i++) {
+        j.light = scene_light_at(set->scene, i);
+        for (int c = 0; c < set->channels; c++)
+            j.power[c] = light_channel(set, j.light->intensity, c);
+        light_block(&j, j.row0, j.row0 + count / j.nv, 0, j.nv, NULL,
+                    set->open[i] ? 0 : set->scene->surfaces.count);
+    }
+}
+
+/* Average over one patch of a triangle or polygon. */
+static void triangle_average(const light_set *set, const scene_surface *s, size_t surface,
+                             const scene_patch *p, double accuracy, double *out)
+{
+    const cell all = {0, 0, 1, 1};
+    double     corner[3][3], u[3], v[3];
+    face       f;
+    region     r;
+
+    memset(&f, 0, sizeof f);
+    for (int c = 0; c < 3; c++)
+        vec_plane_point(s->origin, s->edge_u, s->edge_v, p->s[c], p->t[c], corner[c]);
+    vec_sub(corner[1], corner[0], u);
+    vec_sub(corner[2], corner[0], v);
+    (void)face_set(&f, corner[0], u, v, 1);
+    vec_copy(s->normal, f.normal);
+    vec_copy(s->normal, r.normal);
+    f.surface = (uint32_t)surface;
+    face_cell_corners(&f, &all, r.corners);
+    for (size_t i = 0; i < set->scene->lights.count; i++) {
+        const lcor_light *light = scene_light_at(set->scene, i);
+        uint32_t          occluders[OCCLUDERS_MAX];
+        double            weights[RULE_Q], value;
+        transfer          t = {set->scene, NULL, NULL, light, occluders, 0, accuracy};
+        long              count = 0;
+
+        if (!set->open[i])
+            count = occluders_of_light(set->scene, light, &r, NULL, set->scene->surfaces.count,
+                                       occluders, OCCLUDERS_MAX);
+        if (count == OCCLUDERS_BLOCK ||
+            (count == OCCLUDERS_CROWD &&
+             lcor_direct_shadowed(set->scene, light, corner[0], f.surface, NULL)))
+            continue;
+        t.occluder_count = count > 0 ? (size_t)count : 0;
+        value = transfer_weights(&t, &f, &all, weights) / (0.5 * f.jacobian);
+        for (int c = 0; c < set->channels; c++)
+            out[c] += value * light_channel(set, light->intensity, c);
+    }
+}
+
+void patch_light(const light_set *set, size_t surface, lcor_value value, size_t first,
+                 size_t count, double accuracy, double *out)
+{
+    const scene_surface *s = scene_surface_at(set->scene, surface);
+    const size_t         channels = (size_t)set->channels;
+
+    memset(out, 0, count * channels * sizeof *out);
+    if (value == LCOR_VALUE_AVERAGE && s->shape == SCENE_QUAD) {
+        quad_averages(set, s, surface, first, count, accuracy, out);
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
+        scene_patch p;
+        double      a = 0, b = 0, x[3];
+
+        lcor_scene_patch(set->scene, s, first + i, &p);
+        if (value == LCOR_VALUE_AVERAGE) {
+            triangle_average(set, s, surface, &p, accuracy, out + channels * i);
+            continue;
+        }
+        for (int c = 0; c < p.corner_count; c++) {
+            a += p.s[c] / p.corner_count;
+            b += p.t[c] / p.corner_count;
+        }
+        vec_plane_point(s->origin, s->edge_u, s->edge_v, a, b, x);
+        light_at(set, x, s->normal, (uint32_t)surface, out + channels * i);
+    }
+}

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: MIT
+"""The real lccal against emulated instruments."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+SOURCE = Path(os.environ["LCOR_SOURCE"])
+LCCAL = Path(os.environ["LCOR_BINDIR"]) / "lccal"
+DEADLINE = 20  # seconds; reached only when something hangs
+
+sys.path.insert(0, str(SOURCE / "bindings" / "python"))
+
+
+def environment():
+    env = dict(os.environ)
+    env["PYTHONPATH"] = str(SOURCE / "bindings" / "python")
+    return env
+
+
+class Emulator:
+    """An emulated instrument on a pseudo-terminal, `port`."""
+
+    def __init__(self, *options):
+        command = [sys.executable, "-m", "lcor.emulator", *map(str, options)]
+        self.process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment(), text=True
+        )
+        self.port = self.process.stdout.readline().strip()
+        assert self.port, "the emulator did not start"
+
+    def press(self, *densities):
+        """Somebody reads patches of these densities (emulators without --auto-press)."""
+        self.process.stdin.write("".join(f"{density}\n" for density in densities))
+        self.process.stdin.flush()
+
+    def unplug(self):
+        self.process.kill()
+        self.process.wait(DEADLINE)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exception):
+        self.process.kill()
+        self.process.stdin.close()
+        self.process.stdout.close()
+        self.process.wait(DEADLINE)
+
+
+def lccal(*arguments, **options):
+    """Run lccal to its end."""
+    options.setdefault("env", environment())
+    return subprocess.run(
+        [LCCAL, *map(str, arguments)],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=DEADLINE,
+        check=False,
+        **options,
+    )
+
+
+def events(text):
+    return [json.loads(line) for line in text.splitlines()]
+
+
+class Session:
+    """A guided lccal whose prompts and events a test answers."""
+
+    def __init__(self, *arguments):
+        self.process = subprocess.Popen(
+            [LCCAL, *map(str, arguments), "--json"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            bufsize=1,
+        )
+        self.seen = []
+
+    def until(self, name, **fields):
+        """Read events until one of this name with these fields."""
+        for line in self.process.stdout:
+            event = json.loads(line)
+            self.seen.append(event)
+            if event["event"] == name and all(event[key] == fields[key] for key in fields):
+                return event
+        raise AssertionError(f"lccal ended without {name} {fields}: {self.seen}")
+
+    def answer(self, text=""):
+        self.process.stdin.write(text + "\n")
+        self.process.stdin.flush()
+
+    def interrupt(self):
+        self.process.send_signal(signal.SIGINT)
+
+    def end(self):
+        """Exit code, after the program ended by itself."""
+        output, errors = self.process.communicate(timeout=DEADLINE)
+        self.seen += events(output)
+        self.errors = errors
+        return self.process.returncode
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exception):
+        self.process.kill()
+        self.process.communicate()
+
+
+def wait_quiet(seconds=0.3):
+    """Longer than lccal listens for stale readings after a prompt."""
+    time.sleep(seconds)
+
+
+def keyword(path, name):
+    """A keyword of a CGATS file."""
+    for line in Path(path).read_text().splitlines():
+        key, _, value = line.partition(" ")
+        if key == name:
+            return value.strip().strip('"')
+    return None
+
+
+def rows(path):
+    """The data rows of a CGATS file."""
+    lines = Path(path).read_text().splitlines()
+    start, end = lines.index("BEGIN_DATA"), lines.index("END_DATA")
+    return [[field.strip('"') for field in line.split("\t")] for line in lines[start + 1 : end]]

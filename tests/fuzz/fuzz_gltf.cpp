@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/* Scene files from memory: reading, converting, committing. Whatever the bytes are, the only way out
+ * but success is a cli::Error.
+ *
+ * tinygltf is compiled in here, rather than linked, so that it is instrumented too. */
+#include "gltf.h"
+#include "message.h"
+
+#define TINYGLTF_IMPLEMENTATION
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#include <tiny_gltf.h>
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    static cli::Threads threads(1);
+    cli::set_silent(true);
+    cli::SceneOptions options;
+    options.need_light = false;
+    try {
+        const std::string bytes(reinterpret_cast<const char *>(data), size);
+        cli::build_scene(cli::parse_gltf(bytes, "input", "", threads), options, "input", threads);
+    } catch (const cli::Error &) {
+    }
+    return 0;
+}

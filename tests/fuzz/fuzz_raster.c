@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+/* Any bytes as a raster through the whole filter: one byte of settings, then the stream. What comes
+ * out of a page that was accepted must be a raster of the same size. */
+#include "filter.h"
+#include "raster.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerInitialize(int *argc, char ***argv);
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* libcups allocates what a header asks for before anyone can judge the header, and never touches
+ * it: no reason to stop. Nor are ERROR lines. */
+int LLVMFuzzerInitialize(int *argc, char ***argv)
+{
+    static char limit[] = "-malloc_limit_mb=20000", quiet[] = "-close_fd_mask=2";
+    char **more = malloc((size_t)(*argc + 3) * sizeof *more);
+    if (!more)
+        return 0;
+    more[0] = (*argv)[0];
+    more[1] = limit;
+    more[2] = quiet;
+    memcpy(more + 3, *argv + 1, (size_t)*argc * sizeof *more);
+    *argc += 2;
+    *argv = more;
+    return 0;
+}
+
+typedef struct input {
+    const uint8_t *data;
+    size_t size, at;
+} input;
+
+static ssize_t read_input(void *context, unsigned char *buffer, size_t size)
+{
+    input *in = context;
+    const size_t n = size < in->size - in->at ? size : in->size - in->at;
+    memcpy(buffer, in->data + in->at, n);
+    in->at += n;
+    return (ssize_t)n;
+}
+
+static ssize_t write_nowhere(void *context, unsigned char *buffer, size_t size)
+{
+    size_t *written = context;
+    unsigned char sum = 0;
+    for (size_t i = 0; i < size; i++) /* every byte of it must be initialised memory */
+        sum ^= buffer[i];
+    *written += size + (sum & 0u);
+    return (ssize_t)size;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (size == 0)
+        return 0;
+    filter_job job = {.correct = (data[0] & 1) == 0,
+                      .two_passes = (data[0] & 2) != 0,
+                      .reading = data[0] & 4 ? LCOR_READING_TEXEL : LCOR_READING_PATCH,
+                      .lightness = data[0] & 8 ? LCOR_LIGHTNESS_PAPER : LCOR_LIGHTNESS_CIE,
+                      .contrast = 23.4,
+                      .rho = 0.5,
+                      .exponent = 1.0,
+                      .r_mean = 1.0,
+                      .map.fd = -1};
+    input in = {data + 1, size - 1, 0};
+    size_t written = 0;
+    const bool good = filter_run(&job, read_input, &in, write_nowhere, &written);
+    if (good && written < sizeof(cups_page_header2_t) + 4)
+        abort();
+    return 0;
+}
