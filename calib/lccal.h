@@ -80,7 +80,8 @@ void lccal_warn(const char *format, ...) LCCAL_PRINTF(1, 2); /* "lccal: warning:
 void lccal_say(const char *format, ...) LCCAL_PRINTF(1, 2);  /* silenced by --quiet */
 
 /* One JSON object a line on stdout, flushed at once; nothing without --json. The text is UTF-8,
- * bytes that are not become U+FFFD. Numbers that are not finite become null. */
+ * bytes that are not become U+FFFD. Numbers that are not finite (or 1e12 and more)
+ * become null. */
 void lccal_event_begin(const char *name); /* {"event":"name" */
 void lccal_event_text(const char *key, const char *value);
 void lccal_event_number(const char *key, double value, int decimals);

@@ -123,7 +123,7 @@ void lccal_event_number(const char *key, double value, int decimals)
     char text[64];
     if (!put_key(key))
         return;
-    fputs(isfinite(value) ? lccal_format_number(text, sizeof text, value, decimals) : "null",
+    fputs(fabs(value) < 1e12 ? lccal_format_number(text, sizeof text, value, decimals) : "null",
           stdout);
 }
 

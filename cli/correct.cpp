@@ -159,6 +159,7 @@ class Corrector
     uint8_t *row_of(Band &band, size_t y) const { return &band.pixels[(y - band.y0) * rows_.bytes()]; }
 
     void find_means();
+    size_t stride(size_t pixels, size_t map_pixels) const;
     void add_rows(const lcor_plan *plan, Band &band, size_t y0, size_t y1, lcor_mean &mean) const;
     void correct();
     void correct_rows(const lcor_plan *plan, Band &band, size_t y0, size_t y1,
@@ -181,23 +182,42 @@ class Corrector
     lcor_row_stats stats_ = {};
 };
 
+/* Every how many pixels r is looked at. With the patch's reading it is the map's alone, and a map of
+ * far fewer pixels is smooth between them: twice its resolution tells its mean. */
+size_t Corrector::stride(size_t pixels, size_t map_pixels) const
+{
+    if (job_.correction.reading == LCOR_READING_TEXEL || rows_.has_alpha())
+        return 1;
+    return std::max<size_t>(pixels / (2 * map_pixels), 1);
+}
+
 /* r of rows, for the mean of section 4.3. */
 void Corrector::add_rows(const lcor_plan *plan, Band &band, size_t y0, size_t y1, lcor_mean &mean) const
 {
+    const size_t step_x = stride(reader_.width(), map_.columns());
+    const size_t step_y = stride(reader_.height(), map_.rows());
     const size_t n = rows_.width();
     std::vector<float> illuminance(n);
     std::vector<double> r(n), alpha;
     std::vector<uint8_t> rgb;
     for (size_t y = y0; y < y1; y++) {
+        if (y % step_y != step_y / 2)
+            continue;
         const uint8_t *const row = row_of(band, y);
         map_.sample(band.map, y, illuminance.data());
         if (rows_.grey())
             rows_.spread_grey(row, rgb);
-        lcor_plan_reflectance_row(plan, n, rows_.grey() ? rgb.data() : row, illuminance.data(),
+        size_t count = n;
+        if (step_x > 1) {
+            count = 0;
+            for (size_t x = step_x / 2; x < n; x += step_x)
+                illuminance[count++] = illuminance[x];
+        }
+        lcor_plan_reflectance_row(plan, count, rows_.grey() ? rgb.data() : row, illuminance.data(),
                                   nullptr, r.data());
         if (rows_.has_alpha())
             rows_.coverage(row, alpha);
-        lcor_mean_add(&mean, n, r.data(), rows_.has_alpha() ? alpha.data() : nullptr);
+        lcor_mean_add(&mean, count, r.data(), rows_.has_alpha() ? alpha.data() : nullptr);
     }
 }
 

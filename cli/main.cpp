@@ -10,8 +10,10 @@ namespace
 
 const cli::Command commands[] = {
     {"correct", "correct a picture's lightness for a device and an illuminance", cli::run_correct},
+    {"render", "what a camera sees of a scene, corrected for a device", cli::run_render},
     {"irradiance", "illuminance of a scene at points or on patches", cli::run_irradiance},
     {"room", "write the paper's room as a glTF scene", cli::run_room},
+    {"paper", "the paper's experiments, repeated and measured", cli::run_paper},
     {"info", "what a profile, scene or picture holds", cli::run_info},
     {"bench", "speed against accuracy on this machine", cli::run_bench},
 };

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 
 namespace cli
 {
@@ -12,9 +11,11 @@ namespace
 {
 
 constexpr double pi = 3.14159265358979323846;
-/* A lamp's own colour may be black: its light is shown as if a surface of this reflectance had it. */
+/* A lamp's own colour may be black: its light is shown as if a surface of this reflectance had it.
+ */
 constexpr double lamp_reflectance = 0.05;
-constexpr size_t band_rows = 8;
+/* Rows of one task, and rows between reports of progress. */
+constexpr size_t band_rows = 8, block_rows = 256;
 
 } // namespace
 
@@ -30,8 +31,8 @@ Picture::Picture(const Scene &scene, const lcor_solution *solution, const lcor_c
     view_options.cull_back = cull.data();
     lcor_error error = {};
     lcor_view *view = nullptr;
-    check(lcor_view_new(scene.scene.get(), &camera, &view_options, &view, &error), error, Exit::input,
-          "camera");
+    check(lcor_view_new(scene.scene.get(), &camera, &view_options, &view, &error), error,
+          Exit::input, "camera");
     view_.reset(view);
     Progress progress("indirect light");
     lcor_field_options field_options = {};
@@ -53,8 +54,8 @@ void Picture::prepare_textures()
     lcor_error error = {};
     for (const auto &[colour, transfer] :
          {std::pair{&srgb, LCOR_TRANSFER_SRGB}, std::pair{&linear, LCOR_TRANSFER_LINEAR}})
-        check(lcor_colour_init(colour, LCOR_PRIMARIES_SRGB, nullptr, transfer, 1.0, LCOR_LIGHTNESS_CIE,
-                               &error),
+        check(lcor_colour_init(colour, LCOR_PRIMARIES_SRGB, nullptr, transfer, 1.0,
+                               LCOR_LIGHTNESS_CIE, &error),
               error, Exit::failed, "texture");
     textures_.resize(scene_.textures.size());
     threads_.run(textures_.size(), [&](size_t i) {
@@ -85,12 +86,20 @@ void Picture::prepare_surfaces()
         for (size_t c = 0; c < 3 && (front || material.double_sided); c++)
             surface.emission[c] = pi * material.emission[c];
         surface.emits = surface.emission[0] + surface.emission[1] + surface.emission[2] > 0.0;
-        surface.ratio = info.texture_reflectance > 0.0 ? info.reflectance / info.texture_reflectance : 1.0;
+        surface.ratio =
+            info.texture_reflectance > 0.0 ? info.reflectance / info.texture_reflectance : 1.0;
         surface.rho = info.texture_reflectance;
         if (surface.emits)
             surface.rho = std::max(surface.rho, lamp_reflectance);
         surfaces_.push_back(surface);
     }
+}
+
+double Picture::illuminance(size_t y, size_t sample) const
+{
+    double values[3] = {};
+    std::copy_n(&light_[(rows_[y] + sample) * channels_], channels_, values);
+    return scene_.luminance(values, static_cast<int>(channels_));
 }
 
 bool Picture::opaque() const
@@ -107,17 +116,11 @@ bool Picture::opaque() const
     return true;
 }
 
-void Picture::each_band(const std::function<void(size_t, size_t)> &task, Progress *progress) const
+void Picture::each_band(size_t y0, size_t y1, const std::function<void(size_t, size_t)> &task) const
 {
-    const size_t bands = (height() + band_rows - 1) / band_rows;
-    size_t done = 0;
-    std::mutex mutex;
-    threads_.run(bands, [&](size_t i) {
-        task(i * band_rows, std::min((i + 1) * band_rows, height()));
-        const std::lock_guard<std::mutex> lock(mutex);
-        done++;
-        if (progress)
-            progress->report(static_cast<double>(done) / static_cast<double>(bands));
+    threads_.run((y1 - y0 + band_rows - 1) / band_rows, [&](size_t i) {
+        const size_t from = y0 + i * band_rows;
+        task(from, std::min(from + band_rows, y1));
     });
 }
 
@@ -137,12 +140,14 @@ void Picture::light()
     }
     light_.resize(rows_.back() * channels_);
     Progress progress("illuminance");
-    each_band(
-        [this](size_t y0, size_t y1) {
-            for (size_t y = y0; y < y1; y++)
+    for (size_t y0 = 0; y0 < height(); y0 += block_rows) {
+        const size_t y1 = std::min(y0 + block_rows, height());
+        each_band(y0, y1, [this](size_t from, size_t to) {
+            for (size_t y = from; y < to; y++)
                 light_row(y);
-        },
-        &progress);
+        });
+        progress.report(static_cast<double>(y1) / static_cast<double>(height()));
+    }
 }
 
 void Picture::light_row(size_t y)
@@ -158,7 +163,8 @@ void Picture::light_row(size_t y)
         lcor_view_places(view_.get(), y, &spans[i], spans[i].x0, n, places.data());
         for (size_t k = 0; k < n; k++)
             std::copy_n(places[k].uv, 2, &uv[2 * k]);
-        check(lcor_field_at(field_.get(), spans[i].surface, n, uv.data(), total.data(), nullptr, &error),
+        check(lcor_field_at(field_.get(), spans[i].surface, n, uv.data(), total.data(), nullptr,
+                            &error),
               error, Exit::failed, "illuminance");
         for (size_t k = 0; k < n * channels_; k++)
             *out++ = static_cast<float>(total[k]);
@@ -166,7 +172,8 @@ void Picture::light_row(size_t y)
 }
 
 /* Filtered colour of a place: texel times factor and vertex colour. */
-static std::array<float, 3> texel(const MipTexture *texture, const double (&uv)[3][2], const lcor_place &at)
+static std::array<float, 3> texel(const MipTexture *texture, const double (&uv)[3][2],
+                                  const lcor_place &at)
 {
     if (!texture)
         return {1.0F, 1.0F, 1.0F};

@@ -34,6 +34,8 @@ class Picture
     const lcor_field *field() const { return field_.get(); }
     const Scene &scene() const { return scene_; }
     size_t samples(size_t y) const { return rows_[y + 1] - rows_[y]; }
+    /* Illuminance [lux] of a sample of row y. */
+    double illuminance(size_t y, size_t sample) const;
 
     /* What the correction works on. Emitted light counts as reflected: `illuminance` times `rho` is
      * the whole luminous exitance [lm/m2] of the surface, and `rgb` the linear colour that has that
@@ -45,8 +47,8 @@ class Picture
     };
     void row(size_t y, bool with_colour, Row &out) const;
 
-    /* Calls task(y0, y1) for bands of rows y0..y1-1 on all threads; progress may be NULL. */
-    void each_band(const std::function<void(size_t, size_t)> &task, Progress *progress) const;
+    /* Calls task(from, to) on all threads for bands that make up rows y0..y1-1. */
+    void each_band(size_t y0, size_t y1, const std::function<void(size_t, size_t)> &task) const;
     /* Every pixel is wholly covered by surfaces. */
     bool opaque() const;
 
@@ -57,7 +59,7 @@ class Picture
         double colour[3][3]; /* affine over u, v; the material's factor included */
         double emission[3];  /* exitance towards the camera */
         bool emits;
-        double ratio, rho;   /* measured over textured reflectance (section 5.2); the textured one */
+        double ratio, rho; /* measured over textured reflectance (section 5.2); the textured one */
     };
     void prepare_textures();
     void prepare_surfaces();
@@ -72,8 +74,8 @@ class Picture
     std::unique_ptr<lcor_field, FieldDeleter> field_;
     std::vector<std::unique_ptr<MipTexture>> textures_;
     std::vector<Surface> surfaces_;
-    std::vector<size_t> rows_;  /* first sample of each row */
-    std::vector<float> light_;  /* illuminance, `channels_` each sample */
+    std::vector<size_t> rows_; /* first sample of each row */
+    std::vector<float> light_; /* illuminance, `channels_` each sample */
     size_t channels_ = 1;
 };
 

@@ -67,6 +67,9 @@ class MapReader
     /* Stored integers are linear numbers 0..1; three channels give the Y of the colour's matrix. */
     MapReader(const std::string &path, const lcor_colour &colour, size_t width, size_t height);
 
+    size_t columns() const { return picture_.width(); }
+    size_t rows() const { return picture_.height(); }
+
     /* The map's rows under rows y0..y1-1 of the picture. Bands follow each other downwards; the
      * first row again starts over. Exit::input for values that are negative or not finite. */
     struct Band {

@@ -46,9 +46,8 @@ std::vector<Cover> covers(size_t size, size_t count)
         for (size_t k = 0; k < 3; k++) {
             const double left = static_cast<double>(out[i].first + k);
             const double length = std::min(high, left + 1.0) - std::max(low, left);
-            out[i].weights[k] = out[i].first + k < size
-                                    ? static_cast<float>(std::max(length, 0.0) / step)
-                                    : 0.0F;
+            out[i].weights[k] =
+                out[i].first + k < size ? static_cast<float>(std::max(length, 0.0) / step) : 0.0F;
         }
     }
     return out;
@@ -60,15 +59,16 @@ std::vector<Cover> covers(size_t size, size_t count)
 struct MipTexture::Footprint {
     double step[2]; /* between probes, in u and v */
     int count;
-    size_t level;   /* the finer one */
-    float coarser;  /* weight of the next one */
+    size_t level;  /* the finer one */
+    float coarser; /* weight of the next one */
 };
 
 MipTexture::MipTexture(const Image &image, const Texture &texture, const lcor_colour &transfer)
     : wrap_u_(texture.wrap_u), wrap_v_(texture.wrap_v), nearest_(texture.nearest)
 {
     const std::vector<uint16_t> table = linear_table(image.type, transfer);
-    Level base{image.width, image.height, std::vector<uint16_t>(image.width * image.height * STRIDE)};
+    Level base{image.width, image.height,
+               std::vector<uint16_t>(image.width * image.height * STRIDE)};
     const size_t green = image.channels >= 3 ? 1 : 0, blue = image.channels >= 3 ? 2 : 0;
     const size_t pick[3] = {0, green, blue};
     uint16_t *out = base.texels.data();
@@ -83,7 +83,8 @@ MipTexture::MipTexture(const Image &image, const Texture &texture, const lcor_co
                     std::memcpy(&stored, &image.bytes[i * sizeof stored], sizeof stored);
                     out[c] = table[stored];
                 } else {
-                    out[c] = to_stored(lcor_transfer_to_linear(&transfer, image.sample(x, y, pick[c])));
+                    out[c] =
+                        to_stored(lcor_transfer_to_linear(&transfer, image.sample(x, y, pick[c])));
                 }
             }
     levels_.push_back(std::move(base));
@@ -135,7 +136,8 @@ size_t MipTexture::wrapped(double texel, size_t size, Wrap wrap) const
     return static_cast<size_t>(std::clamp(at, 0.0, length - 1.0));
 }
 
-void MipTexture::add_bilinear(const Level &level, double u, double v, float weight, float *sum) const
+void MipTexture::add_bilinear(const Level &level, double u, double v, float weight,
+                              float *sum) const
 {
     const double x = u * static_cast<double>(level.width) - 0.5;
     const double y = v * static_cast<double>(level.height) - 0.5;

@@ -234,10 +234,12 @@ static bool mean_of_map(page *p)
     const raster_format *format = p->format;
     hand *h = &p->hands[0];
     size_t step = 1;
-    if (p->job->map.width == 0) {
+    if (p->job->map.width == 0) { /* a rho or a tone curve of its own */
         p->options.r_mean = p->job->rho;
         return true;
     }
+    if (!new_plan(p, &p->plan)) /* measures; any mean will do */
+        return false;
     while ((format->width / step + 1) * (format->height / step + 1) > SAMPLES_MAX)
         step++;
     const size_t x0 = step / 2 < format->width ? step / 2 : 0;
@@ -267,7 +269,7 @@ static bool mean_of_pixels(page *p)
         return false;
     }
     unlink(path); /* gone with this process, however it ends */
-    if (!run(p, fill_from_raster, work_measure, empty_to_spool))
+    if (!new_plan(p, &p->plan) || !run(p, fill_from_raster, work_measure, empty_to_spool))
         return false;
     for (size_t i = 1; i < PIPELINE_WORKERS_MAX; i++)
         if (lcor_mean_merge(&p->hands[0].mean, &p->hands[i].mean, NULL) != LCOR_OK)
@@ -354,35 +356,55 @@ static void report(const page *p)
                    p->number, (unsigned long long)sum.non_finite);
 }
 
-bool page_correct(const filter_job *job, unsigned number, const raster_format *format,
-                  raster_reader *reader, raster_writer *writer)
+static page *open_page(unsigned number, const raster_format *format, raster_reader *reader,
+                       raster_writer *writer)
 {
     page *p = calloc(1, sizeof *p);
     if (!p) {
         filter_say("ERROR", "page %u: no memory", number);
-        return false;
+        return NULL;
     }
-    *p = (page){.job = job,
-                .number = number,
-                .format = format,
-                .reader = reader,
-                .writer = writer,
-                .spool = -1};
-    set_options(p);
+    p->number = number;
+    p->format = format;
+    p->reader = reader;
+    p->writer = writer;
+    p->spool = -1;
+    return p;
+}
+
+/* Patch reading in even light: q = r / r_mean is 1, T is 1/2, and Ynew = T y / rho is y. */
+static bool changes_nothing(const filter_job *job)
+{
+    return job->reading == LCOR_READING_PATCH && job->map.width == 0 && !job->r_mean_given &&
+           job->rho == 0.5 && !job->tone_curve;
+}
+
+bool page_correct(const filter_job *job, unsigned number, const raster_format *format,
+                  raster_reader *reader, raster_writer *writer)
+{
     const bool of_pixels = job->reading == LCOR_READING_TEXEL && !job->r_mean_given;
-    const bool running = of_pixels && !job->two_passes;
-    const bool spooled = of_pixels && job->two_passes;
-    bool good = make_hands(p) && new_plan(p, &p->plan);
-    if (good && spooled)
+    page *p = open_page(number, format, reader, writer);
+    if (!p)
+        return false;
+    p->job = job;
+    if (changes_nothing(job)) {
+        filter_say("DEBUG", "page %u: the light is even, which changes nothing", number);
+        const bool copied = run(p, fill_from_raster, work_nothing, empty_to_raster);
+        close_page(p);
+        return copied;
+    }
+    set_options(p);
+    bool good = make_hands(p);
+    bool (*fill)(void *, pipeline_band *) = fill_from_raster;
+    if (good && of_pixels && job->two_passes) {
         good = mean_of_pixels(p);
-    else if (good && !running && !job->r_mean_given)
+        fill = fill_from_spool;
+    } else if (of_pixels) {
+        fill = fill_and_adapt;
+    } else if (good && !job->r_mean_given) {
         good = mean_of_map(p);
-    good = good && new_plan(p, &p->plan) &&
-           run(p,
-               running   ? fill_and_adapt
-               : spooled ? fill_from_spool
-                         : fill_from_raster,
-               work_correct, empty_to_raster);
+    }
+    good = good && new_plan(p, &p->plan) && run(p, fill, work_correct, empty_to_raster);
     if (good)
         report(p);
     close_page(p);
@@ -394,13 +416,9 @@ bool page_copy(unsigned number, const cups_page_header2_t *header, raster_reader
 {
     const raster_format format = {.height = header->cupsHeight,
                                   .row_bytes = header->cupsBytesPerLine};
-    page *p = calloc(1, sizeof *p);
-    if (!p) {
-        filter_say("ERROR", "page %u: no memory", number);
+    page *p = open_page(number, &format, reader, writer);
+    if (!p)
         return false;
-    }
-    *p = (page){
-        .number = number, .format = &format, .reader = reader, .writer = writer, .spool = -1};
     const bool good = run(p, fill_from_raster, work_nothing, empty_to_raster);
     close_page(p);
     return good;

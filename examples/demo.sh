@@ -19,8 +19,8 @@ until [[ -s $out/.port ]]; do sleep 0.05; done
 
 # 2. The room: six faces of 50 x 50 patches, one point light, three photographs.
 "$bin/lcor" room --quiet -o "$out/room.glb" \
-    --texture "floor=$photographs/Wood.jpg" \
-    --texture "ceiling=$photographs/Storm.jpg" \
+    --texture "floor=$photographs/GreenMeadow.jpg" \
+    --texture "ceiling=$photographs/Wood.jpg" \
     --texture "x0=$photographs/Dune.jpg" --texture "x1=$photographs/Dune.jpg" \
     --texture "y0=$photographs/Dune.jpg" --texture "y1=$photographs/Dune.jpg"
 

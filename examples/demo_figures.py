@@ -7,9 +7,8 @@ usage: demo_figures.py DIR
 import sys
 from pathlib import Path
 
-from PIL import Image, ImageDraw, ImageFont
-
 from lcor import Profile, plots
+from PIL import Image, ImageDraw, ImageFont
 
 VIEWS = [("side", "Figure 4 (a)"), ("above", "Figure 4 (b)")]
 METHODS = [("corrected", "lightness correction"), ("conventional", "conventional, eq 19")]
@@ -30,7 +29,9 @@ def comparison(folder: Path) -> Image.Image:
     for row, (view, view_title) in enumerate(VIEWS):
         for column, (method, method_title) in enumerate(METHODS):
             left, top = column * width, row * (height + CAPTION)
-            draw.text((left + 12, top + 6), f"{view_title}: {method_title}", fill="black", font=font)
+            draw.text(
+                (left + 12, top + 6), f"{view_title}: {method_title}", fill="black", font=font
+            )
             sheet.paste(pictures[view, method], (left, top + CAPTION))
     return sheet
 

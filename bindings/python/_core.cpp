@@ -5,7 +5,7 @@
 
 NB_MODULE(_core, m)
 {
-    m.attr("__version__") = lcor_version();
+    m.def("version", &lcor_version);
     bind_colour(m);
     bind_adapt(m);
     bind_correct(m);

@@ -143,9 +143,9 @@ int cmd_history(int argc, char **argv)
                           "history wants profiles or a folder of them; --help explains");
     for (int i = 1; i < argc && status == LCCAL_OK; i++)
         status = add_operand(&h, argv[i]);
-    if (status == LCCAL_OK && h.count == 0)
+    if (status == LCCAL_OK && !h.entries)
         status = lccal_fail(LCCAL_FAILED, "no profile (*.cgats) found there");
-    if (status == LCCAL_OK) {
+    if (status == LCCAL_OK && h.entries) {
         qsort(h.entries, h.count, sizeof *h.entries, by_date);
         if (!lccal_json())
             printf("%-20s  %-17s  %6s  %6s  %8s\n", "created", "contrast", "D_min", "D_max",
@@ -153,7 +153,7 @@ int cmd_history(int argc, char **argv)
         for (size_t i = 0; i < h.count; i++)
             tell(&h.entries[i], &h.entries[0]);
     }
-    for (size_t i = 0; i < h.count; i++)
+    for (size_t i = 0; h.entries && i < h.count; i++)
         free(h.entries[i].path);
     free(h.entries);
     return status;

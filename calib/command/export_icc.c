@@ -78,7 +78,7 @@ static bool is_display(const lcor_profile *profile)
 
 static void put_header(const lcor_profile *profile, size_t size, buffer *out)
 {
-    static const char zeros[44] = {0};
+    static const char zeros[48] = {0};
     const double created = profile_created(profile);
     const time_t when = created >= 0.0 ? (time_t)created : time(NULL);
     const struct tm *utc = gmtime(&when);
@@ -98,7 +98,7 @@ static void put_header(const lcor_profile *profile, size_t size, buffer *out)
     buffer_u32(out, 1);           /* media-relative colorimetric */
     for (int i = 0; i < 3; i++)
         put_fixed(out, d50[i]);
-    buffer_bytes(out, zeros, 4 + 44); /* creator; reserved */
+    buffer_bytes(out, zeros, 48); /* creator, profile ID, reserved */
 }
 
 typedef struct tag {

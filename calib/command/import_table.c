@@ -82,8 +82,12 @@ static bool next_cell(table *t, char *cell, size_t capacity)
                 break;
             t->at++; /* a doubled quote */
         }
-        if (n + 1 < capacity)
-            cell[n++] = *t->at == '"' || *t->at == '\0' ? '\'' : *t->at;
+        if (n + 1 < capacity) {
+            cell[n] = *t->at;
+            if (cell[n] == '"' || cell[n] == '\0') /* what CGATS words cannot hold */
+                cell[n] = '\'';
+            n++;
+        }
     }
     if (quoted) {
         if (at_line_end(t))
@@ -177,7 +181,11 @@ static bool read_names(table *t, buffer *out)
         semicolons += *p == ';';
         commas += *p == ',';
     }
-    t->separator = tabs ? '\t' : semicolons ? ';' : ',';
+    t->separator = ',';
+    if (semicolons > 0)
+        t->separator = ';';
+    if (tabs > 0)
+        t->separator = '\t';
     if (tabs + semicolons + commas == 0)
         return fail(t, "neither CGATS text nor a table: names separated by commas were expected");
     while (t->columns < COLUMNS_MAX) {
@@ -228,8 +236,11 @@ static bool read_row(table *t, buffer *out)
 bool import_table(const char *text, size_t size, buffer *cgats, char *problem, size_t capacity)
 {
     table t = {.at = text, .end = text + size, .line = 1, .problem = problem, .capacity = capacity};
+    problem[0] = '\0';
     if (size >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0)
         t.at += 3;
+    if (size >= 2 && (memcmp(text, "\xFF\xFE", 2) == 0 || memcmp(text, "\xFE\xFF", 2) == 0))
+        return fail(&t, "the text is UTF-16; save it as UTF-8 or ASCII");
     if (!find_row(&t, cgats))
         return fail(&t, "the file is empty");
     if (!read_names(&t, cgats))

@@ -49,8 +49,9 @@ int profile_evaluate(const lcor_profile *profile, lcor_profile_result *result)
 const char *profile_contrast_text(const lcor_profile_result *r, char *text, size_t capacity)
 {
     char c[32], u[32];
-    lccal_format_number(c, sizeof c, r->contrast, 2);
-    lccal_format_number(u, sizeof u, r->contrast_u95, 2);
+    const int decimals = r->contrast_u95 > 0.0 && r->contrast_u95 < 0.1 ? 4 : 2;
+    lccal_format_number(c, sizeof c, r->contrast, decimals);
+    lccal_format_number(u, sizeof u, r->contrast_u95, decimals);
     snprintf(text, capacity, r->contrast_u95 > 0.0 ? "%s +- %s" : "%s", c, u);
     return text;
 }
@@ -94,10 +95,10 @@ static int digits(const char *text, int n)
 
 /* Days from 1970-01-01 to a date of the Gregorian calendar; years begin in March, so that the leap
  * day is their last. */
-static double days_since_1970(int year, int month, int day)
+static long days_since_1970(long year, long month, long day)
 {
-    const int y = month > 2 ? year : year - 1, m = month > 2 ? month - 3 : month + 9;
-    return 365.0 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + day - 1 - 719468.0;
+    const long y = month > 2 ? year : year - 1, m = month > 2 ? month - 3 : month + 9;
+    return 365 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + day - 1 - 719468;
 }
 
 double profile_created(const lcor_profile *profile)
@@ -108,7 +109,7 @@ double profile_created(const lcor_profile *profile)
     const int year = digits(text, 4), month = digits(text + 5, 2), day = digits(text + 8, 2);
     if (year < 1970 || month < 1 || month > 12 || day < 1 || day > 31)
         return -1.0;
-    double seconds = 86400.0 * days_since_1970(year, month, day);
+    double seconds = 86400.0 * (double)days_since_1970(year, month, day);
     if (strlen(text) >= 19 && text[10] == 'T' && digits(text + 11, 2) >= 0 &&
         digits(text + 14, 2) >= 0 && digits(text + 17, 2) >= 0)
         seconds +=

@@ -39,8 +39,9 @@ static void add_figure(target *t, double x, double y, int figure)
 
 static void add_number(target *t, double x, double y, int number)
 {
-    for (int place = number > 99 ? 100 : number > 9 ? 10 : 1; place > 0; place /= 10, x += 4 * DOT)
-        add_figure(t, x, y, number / place % 10);
+    int place = number > 99 ? 100 : number > 9 ? 10 : 1;
+    for (int i = 0; place > 0; i++, place /= 10)
+        add_figure(t, x + 4.0 * DOT * i, y, number / place % 10);
 }
 
 static void add_patch(target *t, double x, double y, int level)
@@ -73,9 +74,9 @@ void target_lay_out(target *t, double width, double height, int steps)
     /* Greys: two rows of seven above the middle, two below. */
     const double pitch = (width - 2.0 * MARGIN - PATCH) / 6.0;
     for (int i = 1; i <= steps; i++) {
-        const int row = (i - 1) / 7, column = (i - 1) % 7;
+        const int row = (i - 1) / 7, column = (i - 1) % 7, band = row / 2;
         const double gap = (down - 3.0 * (PATCH + 5.0)) / 3.0;
-        const double y = MARGIN + (row / 2) * down + (1 + row % 2) * (PATCH + 5.0 + gap);
+        const double y = MARGIN + band * down + (1 + row % 2) * (PATCH + 5.0 + gap);
         add_patch(t, MARGIN + column * pitch, y, (int)floor(255.0 * i / (steps + 1) + 0.5));
     }
 }

@@ -23,7 +23,8 @@ static tmsize_t memory_write(thandle_t handle, void *data, tmsize_t n)
     const size_t over = count < inside ? count : inside;
     if (n <= 0 || f->at > f->bytes.size)
         return 0;
-    memcpy(f->bytes.bytes + f->at, data, over);
+    if (over > 0)
+        memcpy(f->bytes.bytes + f->at, data, over);
     buffer_bytes(&f->bytes, (const char *)data + over, count - over);
     f->at += count;
     return f->bytes.failed ? 0 : n;
@@ -34,7 +35,8 @@ static tmsize_t memory_read(thandle_t handle, void *data, tmsize_t n)
     memory_file *f = handle;
     const size_t left = f->at < f->bytes.size ? f->bytes.size - f->at : 0;
     const size_t count = (size_t)n < left ? (size_t)n : left;
-    memcpy(data, f->bytes.bytes + f->at, count);
+    if (count > 0)
+        memcpy(data, f->bytes.bytes + f->at, count);
     f->at += count;
     return (tmsize_t)count;
 }

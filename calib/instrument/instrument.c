@@ -97,6 +97,15 @@ cal_status instrument_discard(instrument *in)
     return transport_drain(in->port, QUIET_MS, DRAIN_MS);
 }
 
+/* Is there more in the buffer than the line feed after the last line? */
+static bool holds_text(const instrument *in)
+{
+    for (size_t i = 0; i < in->have; i++)
+        if (in->buffer[i] != '\r' && in->buffer[i] != '\n')
+            return true;
+    return false;
+}
+
 cal_status instrument_listen(instrument *in, int timeout_ms, reading *out, cal_error *err)
 {
     const int64_t deadline = in->port->ops->now_ms(in->port) + timeout_ms;
@@ -113,14 +122,14 @@ cal_status instrument_listen(instrument *in, int timeout_ms, reading *out, cal_e
         const int left = transport_left(in->port, deadline);
         if (left == 0 && in->noise > 0)
             return cal_fail(err, CAL_PROTOCOL,
-                            "'%s' sent %u lines and no reading of %s among them; is --instrument "
+                            "'%s' sends text (%u times) but no reading of %s; is --instrument "
                             "right?",
                             in->port->name, in->noise, in->driver->title);
         if (left == 0)
             return instrument_fail(in, CAL_TIMEOUT, err);
         /* A line that was begun is finished soon or never: cable noise, or half a reading from
          * before this program looked. */
-        const bool begun = in->have > 0;
+        const bool begun = holds_text(in);
         const int wait = begun && left > in->idle_ms ? in->idle_ms : left;
         const cal_status status = instrument_fill(in, wait);
         if (status == CAL_TIMEOUT) {

@@ -60,6 +60,7 @@ struct instrument_driver {
     const char *title;
     const line_settings *line; /* NULL: not on a serial line, or the preset says */
     bool on_hid;               /* else on a serial line */
+    bool displays;             /* reads displays, not prints */
     bool user_triggered;       /* the user presses, the instrument reports */
     bool experimental;
     const char *how;         /* what the user does for one reading */

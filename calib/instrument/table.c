@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "instrument/dektronics-densistick/densistick.h"
 #include "instrument/dektronics-printalyzer/printalyzer.h"
 #include "instrument/generic-line/line.h"
 #include "instrument/hughski-colorhug2/colorhug2.h"
@@ -10,10 +11,7 @@
 enum { IDLE_MS = 500 };
 
 const instrument_driver *const instrument_drivers[] = {
-    &printalyzer_driver,
-    &rci_driver,
-    &line_driver,
-    &colorhug2_driver,
+    &printalyzer_driver, &rci_driver, &line_driver, &colorhug2_driver, &densistick_driver,
 };
 const size_t instrument_driver_count = sizeof instrument_drivers / sizeof instrument_drivers[0];
 
@@ -47,12 +45,24 @@ static cal_status set_up(const instrument_driver *driver, const char *preset, in
     return status;
 }
 
-/* Ask the port for each instrument of its kind that can say who it is. */
+/* A USB device says what it is. */
+static cal_status set_up_known(int timeout_ms, instrument *in, cal_error *err)
+{
+    const usb_model *model = usb_model_find(in->port->vendor, in->port->product);
+    if (model && model->driver)
+        return set_up(instrument_driver_find(model->driver), "", timeout_ms, in, err);
+    return cal_fail(err, CAL_NO_DEVICE, "'%s' is %s, which lccal cannot use%s%s", in->port->name,
+                    model ? model->title : "a USB device", model ? "; " : "",
+                    model ? model->advice : "");
+}
+
+/* Ask a serial port for each instrument that can say who it is. */
 static cal_status set_up_any(int timeout_ms, instrument *in, cal_error *err)
 {
+    if (in->port->ops->messages)
+        return set_up_known(timeout_ms, in, err);
     for (size_t i = 0; i < instrument_driver_count; i++) {
-        const bool hid = in->port->ops->messages;
-        if (instrument_drivers[i]->silent || instrument_drivers[i]->on_hid != hid)
+        if (instrument_drivers[i]->silent || instrument_drivers[i]->on_hid)
             continue;
         const cal_status status = set_up(instrument_drivers[i], "", timeout_ms, in, err);
         if (status != CAL_TIMEOUT && status != CAL_PROTOCOL)

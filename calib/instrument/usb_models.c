@@ -8,6 +8,7 @@ const usb_model usb_models[] = {
     {0x16D0, 0x13E7, "Printalyzer UV/VIS Densitometer", "printalyzer", NULL},
     {0x16D0, 0x1198, "Printalyzer Densitometer in its boot loader", NULL,
      "unplug it and plug it in again without holding a button"},
+    {0x16D0, 0x1382, "DensiStick", "densistick", NULL},
     {0x273F, 0x1004, "ColorHug2", "colorhug2", NULL},
     {0x273F, 0x1005, "ColorHug2 in its boot loader", NULL,
      "wait a few seconds, or plug it in again"},

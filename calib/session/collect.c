@@ -66,7 +66,7 @@ static void to_profile(const reading *in, const patch *p, lcor_profile_reading *
 /* The next reading, from the journal while there is one, else from the instrument. */
 static int fetch(session *s, reading *out)
 {
-    const int wait_ms = (int)(s->options->timeout * 1000.0);
+    const int wait_ms = (int)(s->options->timeout * 1000.0 + 0.999);
     while (journal_peek(&s->log, 0))
         if (journal_next(&s->log, out) == 'R')
             return LCCAL_OK;

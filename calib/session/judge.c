@@ -26,7 +26,7 @@ double judge_median(const double *values, size_t n)
 {
     double sorted[JUDGE_MAX];
     if (n == 0 || n > JUDGE_MAX)
-        return NAN;
+        return (double)NAN;
     memcpy(sorted, values, n * sizeof *values);
     qsort(sorted, n, sizeof *sorted, by_value);
     return 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]);

@@ -15,10 +15,23 @@ enum { WHITE, BLACK, FIRST_STEP, AGAIN = -1, REFINE_ROUNDS = 4 };
 /* Film base and the darkest papers stay below this, blacks worth the name above. */
 #define D_SURELY_BLACK 0.7
 
+/* "white, the bare paper: lower the head ..., 5 times." */
+static void question(const session *s, const patch *p, char *text, size_t capacity)
+{
+    const bool displays = s->in.driver->displays;
+    const int times = s->options->positions > 1 ? s->options->positions : s->options->readings;
+    const char *what = "";
+    if (p->level >= 255.0)
+        what = displays ? ", a white screen" : ", the bare paper";
+    else if (p->level <= 0.0)
+        what = displays ? ", a black screen" : ", the darkest print";
+    snprintf(text, capacity, "%s%s: %s, %d time%s.", p->name, what, s->in.driver->how, times,
+             times == 1 ? "" : "s");
+}
+
 int session_ask(session *s, const patch *p)
 {
     char text[384];
-    const bool spread = s->options->positions > 1;
     if (journal_peek(&s->log, 'R'))
         return LCCAL_OK;
     if (journal_peek(&s->log, 'U')) {
@@ -26,8 +39,7 @@ int session_ask(session *s, const patch *p)
         (void)journal_next(&s->log, &unused);
         return AGAIN;
     }
-    snprintf(text, sizeof text, "%s: %s, %d times.", p->name, s->in.driver->how,
-             spread ? s->options->positions : s->options->readings);
+    question(s, p, text, sizeof text);
     if (s->options->yes) {
         lccal_say("%s", text);
         return LCCAL_OK;

@@ -40,10 +40,10 @@ answer prompt_line(const char *patch, const char *question, char *line, size_t c
     lccal_event_end();
     size_t n = 0;
     for (int byte = next_byte(); byte != '\n'; byte = next_byte()) {
-        if (byte == -1)
-            return ANSWER_CLOSED;
-        if (byte == -2)
-            return ANSWER_QUIT;
+        if (byte < 0) {
+            fputc('\n', stderr); /* what is said next starts its own line */
+            return byte == -1 ? ANSWER_CLOSED : ANSWER_QUIT;
+        }
         if (n + 1 < capacity)
             line[n++] = (char)byte;
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* USB HID over hidapi's hidraw backend, which leaves the kernel's driver in place. Reports here
- * have no numbers: hidapi wants a 0 in front of each one written. */
+/* USB HID over hidapi's hidraw backend, which leaves the kernel's driver in place. As hidapi has
+ * it, the first byte of what is written is the report's number, 0 where reports have none. */
 #define _POSIX_C_SOURCE 200809L
 #include "transport/interrupt.h"
 #include "transport/transport.h"
@@ -17,7 +17,14 @@
 #include <unistd.h>
 #include <wchar.h>
 
-enum { REPORT_MAX = 64, SLICE_MS = 50 };
+enum { SLICE_MS = 50 };
+
+/* Where a device is: its node, or the numbers to find it by. */
+typedef struct hid_place {
+    unsigned short vendor, product; /* 0: any */
+    const char *serial;             /* "": any */
+    char node[96];                  /* "": not known yet */
+} hid_place;
 
 typedef struct hid {
     transport base;
@@ -34,13 +41,8 @@ static int64_t now_ms(transport *t)
 
 static cal_status hid_port_write(transport *t, const void *bytes, size_t n, int timeout_ms)
 {
-    hid *h = (hid *)t;
-    unsigned char report[1 + REPORT_MAX] = {0};
     (void)timeout_ms; /* hidraw queues the report in the kernel and returns */
-    if (n > REPORT_MAX)
-        return CAL_UNSUPPORTED;
-    memcpy(report + 1, bytes, n);
-    return hid_write(h->device, report, n + 1) < 0 ? CAL_GONE : CAL_OK;
+    return hid_write(((hid *)t)->device, bytes, n) < 0 ? CAL_GONE : CAL_OK;
 }
 
 /* hidapi waits on nothing but its own device, so SIGINT is looked for between short waits. An
@@ -111,31 +113,44 @@ static bool parse_hex4(const char *text, unsigned short *out)
     return true;
 }
 
-/* The node of hid:VID:PID[:SERIAL], first interface that answers. */
-static cal_status find_node(const char *port, char *node, size_t capacity, cal_error *err)
+/* hid:VID:PID[:SERIAL] */
+static bool parse_ids(const char *port, hid_place *out)
 {
-    unsigned short vendor, product;
     const char *ids = port + 4;
-    if (strlen(ids) < 9 || !parse_hex4(ids, &vendor) || ids[4] != ':' ||
-        !parse_hex4(ids + 5, &product) || (ids[9] != '\0' && ids[9] != ':'))
-        return cal_fail(err, CAL_NO_DEVICE,
-                        "'%s' should be hid:VID:PID[:SERIAL] with four hex digits each", port);
-    const char *serial = ids[9] ? ids + 10 : "";
-    struct hid_device_info *all = hid_enumerate(vendor, product);
-    const char *found = NULL;
+    if (strlen(ids) < 9 || !parse_hex4(ids, &out->vendor) || ids[4] != ':' ||
+        !parse_hex4(ids + 5, &out->product) || (ids[9] != '\0' && ids[9] != ':'))
+        return false;
+    out->serial = ids[9] ? ids + 10 : "";
+    return true;
+}
+
+/* Is it the device asked for: by its node, or by its numbers and the first of its interfaces? */
+static bool is_wanted(const struct hid_device_info *d, const hid_place *place)
+{
+    char serial[128];
+    if (place->node[0] != '\0')
+        return strcmp(d->path, place->node) == 0;
+    if (!d->serial_number || wcstombs(serial, d->serial_number, sizeof serial) >= sizeof serial)
+        serial[0] = '\0';
+    return d->interface_number <= 0 &&
+           (place->serial[0] == '\0' || strcmp(place->serial, serial) == 0);
+}
+
+/* Fill in what the system knows about the place. False: it knows no such device. */
+static bool look_up(hid_place *place)
+{
+    bool found = false;
+    struct hid_device_info *all = hid_enumerate(place->vendor, place->product);
     for (const struct hid_device_info *d = all; d && !found; d = d->next) {
-        char name[128];
-        if (!d->serial_number || wcstombs(name, d->serial_number, sizeof name) >= sizeof name)
-            name[0] = '\0';
-        if (*serial == '\0' || strcmp(serial, name) == 0)
-            found = d->path;
+        if (!is_wanted(d, place))
+            continue;
+        found = true;
+        place->vendor = d->vendor_id;
+        place->product = d->product_id;
+        snprintf(place->node, sizeof place->node, "%s", d->path);
     }
-    if (found)
-        snprintf(node, capacity, "%s", found);
     hid_free_enumeration(all);
-    return found ? CAL_OK
-                 : cal_fail(err, CAL_NO_DEVICE,
-                            "no USB device '%s' is plugged in; `lccal list` shows what is", port);
+    return found;
 }
 
 static cal_status check_access(const char *node, cal_error *err)
@@ -153,24 +168,36 @@ static cal_status check_access(const char *node, cal_error *err)
                     strerror(errno));
 }
 
+static cal_status find_device(const char *port, hid_place *place, cal_error *err)
+{
+    memset(place, 0, sizeof *place);
+    place->serial = "";
+    if (strncmp(port, "hid:", 4) != 0) {
+        snprintf(place->node, sizeof place->node, "%s", port);
+        (void)look_up(place); /* one that cannot be looked up can be opened all the same */
+    } else if (!parse_ids(port, place)) {
+        return cal_fail(err, CAL_NO_DEVICE,
+                        "'%s' should be hid:VID:PID[:SERIAL] with four hex digits each", port);
+    } else if (!look_up(place)) {
+        return cal_fail(err, CAL_NO_DEVICE,
+                        "no USB device '%s' is plugged in; `lccal list` shows what is", port);
+    }
+    return check_access(place->node, err);
+}
+
 cal_status hid_open_port(const char *port, transport **out, cal_error *err)
 {
-    char node[96];
-    cal_status status = CAL_OK;
+    hid_place place;
     if (hid_init() != 0)
         return cal_fail(err, CAL_UNSUPPORTED, "the system's USB HID support does not start");
-    snprintf(node, sizeof node, "%s", port);
-    if (strncmp(port, "hid:", 4) == 0)
-        status = find_node(port, node, sizeof node, err);
-    if (status == CAL_OK)
-        status = check_access(node, err);
+    cal_status status = find_device(port, &place, err);
     hid *h = status == CAL_OK ? calloc(1, sizeof *h) : NULL;
     if (status == CAL_OK && !h)
         status = cal_fail(err, CAL_NO_MEMORY, "out of memory");
     if (status == CAL_OK) {
-        h->device = hid_open_path(node);
+        h->device = hid_open_path(place.node);
         if (!h->device)
-            status = cal_fail(err, CAL_NO_DEVICE, "'%s' is no USB HID device", node);
+            status = cal_fail(err, CAL_NO_DEVICE, "'%s' is no USB HID device", place.node);
     }
     if (status != CAL_OK) {
         free(h);
@@ -178,6 +205,8 @@ cal_status hid_open_port(const char *port, transport **out, cal_error *err)
         return status;
     }
     h->base.ops = &hid_ops;
+    h->base.vendor = place.vendor;
+    h->base.product = place.product;
     snprintf(h->base.name, sizeof h->base.name, "%s", port);
     *out = &h->base;
     return CAL_OK;

@@ -108,8 +108,8 @@ cal_status record_open(transport *inner, const char *path, transport **out, cal_
         r->ops.set_feature = record_set_feature;
         r->ops.get_feature = record_get_feature;
     }
+    r->base = *inner;
     r->base.ops = &r->ops;
-    memcpy(r->base.name, inner->name, sizeof r->base.name);
     fprintf(file, "d 0 %s\n", inner->name);
     *out = &r->base;
     return CAL_OK;

@@ -51,7 +51,8 @@ typedef struct transport_ops transport_ops;
 
 struct transport {
     const transport_ops *ops;
-    char name[96]; /* what --port said */
+    char name[96];            /* what --port said */
+    unsigned vendor, product; /* of a USB HID device; 0: not known */
 };
 
 struct transport_ops {

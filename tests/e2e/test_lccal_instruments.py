@@ -16,7 +16,7 @@ def densities(path):
     return [float(row[-2]) for row in rows(path)]
 
 
-def measure(profile, *emulator, instrument, readings=2, timeout=0.5):
+def measure(profile, *emulator, instrument, readings=2, timeout=8):
     with Emulator("--auto-press", readings, *emulator) as device:
         return lccal("--port", device.port, "--instrument", instrument, "--yes", "--readings",
                      readings, "--timeout", timeout, "-o", profile)
@@ -123,7 +123,7 @@ def on_usb(*arguments, emulator=()):
     return run
 
 
-def colorhug(profile, *emulator, port="hid:273f:1004", instrument="auto", timeout=0.5):
+def colorhug(profile, *emulator, port="hid:273f:1004", instrument="auto", timeout=2):
     return on_usb("--port", port, "--instrument", instrument, "--yes", "--readings", 2,
                   "--timeout", timeout, "--json", "-o", profile,
                   emulator=("--auto-press", 2, *emulator))

@@ -3,6 +3,7 @@
 
 import os
 import time
+import tty
 
 import pytest
 from lccal_bench import SOURCE, Emulator, Session, lccal
@@ -94,6 +95,21 @@ def test_instrument_that_is_not_known_has_no_device():
         run = lccal("device", "--port", device.port, "--instrument", "printalyzer", "--timeout",
                     0.1)
     assert run.returncode == 5
+
+
+def test_emulator_answers_on_a_serial_port_too():
+    pytest.importorskip("serial", reason="pyserial is not installed")
+    master, slave = os.openpty()
+    tty.setraw(slave)
+    with Emulator("--port", os.ttyname(slave), "--auto-press", 1) as device:
+        assert device.port == os.ttyname(slave)
+        os.write(master, b"GS V\r\n")
+        reply = b""
+        while not reply.endswith(b"\n"):
+            reply += os.read(master, 100)
+    assert reply == b'GS V,"Printalyzer Densitometer","v1.1.0"\r\n'
+    os.close(master)
+    os.close(slave)
 
 
 @pytest.mark.parametrize("command", [(), ("list",), ("doctor",), ("device",)])

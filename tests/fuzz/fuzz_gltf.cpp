@@ -6,9 +6,13 @@
 #include "gltf.h"
 #include "message.h"
 
-#define TINYGLTF_IMPLEMENTATION
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_IMPLEMENTATION
+#include <stb/stb_image.h>
+#include <stb/stb_image_write.h>
+#define TINYGLTF_NO_INCLUDE_STB_IMAGE
+#define TINYGLTF_NO_INCLUDE_STB_IMAGE_WRITE
+#define TINYGLTF_IMPLEMENTATION
 #include <tiny_gltf.h>
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -20,12 +20,21 @@ class Result:
 
 @pytest.fixture
 def correct(tmp_path):
-    """rastertolcor on the bytes of a raster; `env` adds to an environment without CUPS' variables."""
+    """rastertolcor on the bytes of a raster; `env` adds to an environment without CUPS."""
 
-    def run(data: bytes, options: str = "lcor-contrast=23.4", env: dict[str, str] | None = None) -> Result:
+    def run(
+        data: bytes, options: str = "lcor-contrast=23.4", env: dict[str, str] | None = None
+    ) -> Result:
         bare = {k: v for k, v in os.environ.items() if k != "PPD" and not k.startswith("CUPS_")}
-        return Result(subprocess.run([FILTER, "1", "user", "title", "1", options], input=data,
-                                     capture_output=True, timeout=120, check=False,
-                                     env=bare | {"TMPDIR": str(tmp_path)} | (env or {})))
+        return Result(
+            subprocess.run(
+                [FILTER, "1", "user", "title", "1", options],
+                input=data,
+                capture_output=True,
+                timeout=120,
+                check=False,
+                env=bare | {"TMPDIR": str(tmp_path)} | (env or {}),
+            )
+        )
 
     return run

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""CUPS and PWG raster written and read without libcups, from PWG 5102.4 and the CUPS raster format."""
+"""CUPS and PWG raster without libcups, from PWG 5102.4 and the CUPS raster format."""
 
 from __future__ import annotations
 
@@ -10,9 +10,19 @@ import numpy as np
 
 HEADER = 1796
 # Offsets of the header's words.
-ORDER = {"NumCopies": 340, "cupsWidth": 372, "cupsHeight": 376, "cupsBitsPerColor": 384,
-         "cupsBitsPerPixel": 388, "cupsBytesPerLine": 392, "cupsColorOrder": 396,
-         "cupsColorSpace": 400, "cupsNumColors": 420, "PrintQuality": 484, "ImageBoxLeft": 464}
+ORDER = {
+    "NumCopies": 340,
+    "cupsWidth": 372,
+    "cupsHeight": 376,
+    "cupsBitsPerColor": 384,
+    "cupsBitsPerPixel": 388,
+    "cupsBytesPerLine": 392,
+    "cupsColorOrder": 396,
+    "cupsColorSpace": 400,
+    "cupsNumColors": 420,
+    "PrintQuality": 484,
+    "ImageBoxLeft": 464,
+}
 STRINGS = 580  # cupsString[16]
 W, RGB, K, CMYK, SGRAY, SRGB, ADOBERGB = 0, 1, 3, 6, 18, 19, 20
 CHUNKED, BANDED, PLANAR = 0, 1, 2
@@ -21,7 +31,7 @@ MARK = b"lcor corrected"
 
 @dataclass
 class Page:
-    """Samples as an array (height, width, colours), and header words that differ from the honest ones."""
+    """Samples (height, width, colours), and header words that differ from the honest ones."""
 
     pixels: np.ndarray
     space: int = SRGB
@@ -38,10 +48,17 @@ class Page:
     def header(self, big: bool, media_class: bytes) -> bytes:
         height, width, colours = self.pixels.shape
         bits = 8 * self.pixels.dtype.itemsize
-        words = {"NumCopies": 1, "cupsWidth": width, "cupsHeight": height, "cupsBitsPerColor": bits,
-                 "cupsBitsPerPixel": bits if self.order == BANDED else bits * colours,
-                 "cupsBytesPerLine": width * colours * bits // 8, "cupsColorOrder": self.order,
-                 "cupsColorSpace": self.space, "cupsNumColors": colours} | self.words
+        words = {
+            "NumCopies": 1,
+            "cupsWidth": width,
+            "cupsHeight": height,
+            "cupsBitsPerColor": bits,
+            "cupsBitsPerPixel": bits if self.order == BANDED else bits * colours,
+            "cupsBytesPerLine": width * colours * bits // 8,
+            "cupsColorOrder": self.order,
+            "cupsColorSpace": self.space,
+            "cupsNumColors": colours,
+        } | self.words
         header = bytearray(HEADER)
         header[: len(media_class)] = media_class
         for name, value in words.items():
@@ -62,8 +79,11 @@ def pack(row: bytes, size: int) -> bytes:
         if run > 1:
             out += bytes([run - 1]) + pixels[i]
         else:
-            while (i + run < len(pixels) and run < 128
-                   and (i + run + 1 == len(pixels) or pixels[i + run] != pixels[i + run + 1])):
+            while (
+                i + run < len(pixels)
+                and run < 128
+                and (i + run + 1 == len(pixels) or pixels[i + run] != pixels[i + run + 1])
+            ):
                 run += 1
             out += (bytes([257 - run]) if run > 1 else b"\0") + b"".join(pixels[i : i + run])
         i += run
@@ -78,14 +98,18 @@ def write(pages: list[Page], kind: str = "v3") -> bytes:
         out += page.header(big, b"PwgRaster" if kind == "pwg" else b"")
         for row in page.rows(big):
             if kind in ("v2", "pwg"):
-                step = page.pixels.dtype.itemsize * (1 if page.order == BANDED else page.pixels.shape[2])
+                step = page.pixels.dtype.itemsize * (
+                    1 if page.order == BANDED else page.pixels.shape[2]
+                )
                 out += b"\0" + pack(row, step)
             else:
                 out += row
     return out
 
 
-def unpack(data: bytes, at: int, height: int, row_bytes: int, size: int, space: int) -> tuple[list[bytes], int]:
+def unpack(
+    data: bytes, at: int, height: int, row_bytes: int, size: int, space: int
+) -> tuple[list[bytes], int]:
     rows: list[bytes] = []
     while len(rows) < height:
         repeat, at = data[at] + 1, at + 1
@@ -112,7 +136,9 @@ def read(data: bytes) -> list[Page]:
     pages, at = [], 4
     while at < len(data):
         header, at = data[at : at + HEADER], at + HEADER
-        words = {k: struct.unpack_from(">I" if big else "<I", header, o)[0] for k, o in ORDER.items()}
+        words = {
+            k: struct.unpack_from(">I" if big else "<I", header, o)[0] for k, o in ORDER.items()
+        }
         colours, height, width = words["cupsNumColors"], words["cupsHeight"], words["cupsWidth"]
         bits, row_bytes = words["cupsBitsPerColor"], words["cupsBytesPerLine"]
         step = bits // 8 * (1 if words["cupsColorOrder"] == BANDED else colours)
@@ -125,7 +151,16 @@ def read(data: bytes) -> list[Page]:
         pixels = np.frombuffer(body, kind).astype(kind.newbyteorder("="))
         if words["cupsColorOrder"] == BANDED:
             pixels = np.moveaxis(pixels.reshape(height, colours, width), 1, 2)
-        strings = {i: header[STRINGS + 64 * i : STRINGS + 64 * (i + 1)].rstrip(b"\0") for i in range(16)}
-        pages.append(Page(pixels.reshape(height, width, colours), words["cupsColorSpace"],
-                          words["cupsColorOrder"], words, {i: s for i, s in strings.items() if s}))
+        strings = {
+            i: header[STRINGS + 64 * i : STRINGS + 64 * (i + 1)].rstrip(b"\0") for i in range(16)
+        }
+        pages.append(
+            Page(
+                pixels.reshape(height, width, colours),
+                words["cupsColorSpace"],
+                words["cupsColorOrder"],
+                words,
+                {i: s for i, s in strings.items() if s},
+            )
+        )
     return pages

@@ -5,6 +5,7 @@ import os
 import re
 import signal
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -30,7 +31,10 @@ def ramp(height, width):
 
 
 def save_pfm(path, light):
-    path.write_bytes(b"Pf\n%d %d\n-1.0\n" % (light.shape[1], light.shape[0]) + light[::-1].astype("<f4").tobytes())
+    path.write_bytes(
+        b"Pf\n%d %d\n-1.0\n" % (light.shape[1], light.shape[0])
+        + light[::-1].astype("<f4").tobytes()
+    )
     return path
 
 
@@ -38,14 +42,26 @@ def reference(stored, light, r_mean, contrast=23.4, rho=0.5, gamma=None):
     """Equations 12 and 13b-16 in plain numpy, for colours that stay in the gamut."""
     if gamma is None:
         linear = np.where(stored <= 0.04045, stored / 12.92, ((stored + 0.055) / 1.055) ** 2.4)
-        m = np.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750],
-                      [0.0193339, 0.1191920, 0.9503041]])
+        m = np.array(
+            [
+                [0.4124564, 0.3575761, 0.1804375],
+                [0.2126729, 0.7151522, 0.0721750],
+                [0.0193339, 0.1191920, 0.9503041],
+            ]
+        )
     else:
         linear = stored**gamma
-        m = np.array([[0.57667, 0.18556, 0.18823], [0.29734, 0.62736, 0.07529], [0.02703, 0.07069, 0.99134]])
+        m = np.array(
+            [[0.57667, 0.18556, 0.18823], [0.29734, 0.62736, 0.07529], [0.02703, 0.07069, 0.99134]]
+        )
     white = m @ np.ones(3)
-    f_of = lambda t: np.where(t > (6 / 29) ** 3, np.cbrt(t), t * 841 / 108 + 4 / 29)
-    t_of = lambda f: np.where(f > 6 / 29, f**3, (f - 4 / 29) * 108 / 841)
+
+    def f_of(t):
+        return np.where(t > (6 / 29) ** 3, np.cbrt(t), t * 841 / 108 + 4 / 29)
+
+    def t_of(f):
+        return np.where(f > 6 / 29, f**3, (f - 4 / 29) * 108 / 841)
+
     xyz = linear @ m.T / white
     f = f_of(xyz)
     q = light * rho / r_mean
@@ -73,15 +89,21 @@ def test_every_format_gives_the_colours_of_the_equations(correct, tmp_path, spac
     top = np.iinfo(dtype).max
     pixels = picture(colours=colours, dtype=dtype)
     light = ramp(*pixels.shape[:2])
-    result = correct(raster.write([Page(pixels, space, order)]),
-                     f"lcor-contrast=23.4 lcor-illuminance={save_pfm(tmp_path / 'map.pfm', light)}")
+    result = correct(
+        raster.write([Page(pixels, space, order)]),
+        f"lcor-contrast=23.4 lcor-illuminance={save_pfm(tmp_path / 'map.pfm', light)}",
+    )
     assert result.code == 0, result.log
     (page,) = raster.read(result.out)
     stored = pixels / top
     if space == K:
         stored = 1 - stored
-    expected = reference(np.broadcast_to(stored, (*stored.shape[:2], 3)), light.astype(float),
-                         mean_said(result)[0], gamma=563 / 256 if space == ADOBERGB else None)[..., :colours]
+    expected = reference(
+        np.broadcast_to(stored, (*stored.shape[:2], 3)),
+        light.astype(float),
+        mean_said(result)[0],
+        gamma=563 / 256 if space == ADOBERGB else None,
+    )[..., :colours]
     if space == K:
         expected = 1 - expected
     # Half a step of rounding; float kernels and 7-digit matrices stay far below 1/65535.
@@ -107,15 +129,25 @@ def test_every_kind_of_stream_carries_the_same_picture(correct, kind, dtype):
 def test_pwg_headers_go_through_whole(correct):
     page = Page(picture(), words={"PrintQuality": 5, "ImageBoxLeft": 77, "NumCopies": 3})
     (out,) = raster.read(correct(raster.write([page], "pwg")).out)
-    assert (out.words["PrintQuality"], out.words["ImageBoxLeft"], out.words["NumCopies"]) == (5, 77, 3)
+    assert (out.words["PrintQuality"], out.words["ImageBoxLeft"], out.words["NumCopies"]) == (
+        5,
+        77,
+        3,
+    )
 
 
-def test_even_light_changes_no_byte_of_the_pixels(correct):
+def test_even_light_changes_no_byte_of_the_pixels(correct, tmp_path):
     every = np.arange(256 * 3 * 16, dtype=np.uint32).reshape(16, 256, 3)
+    light = save_pfm(
+        tmp_path / "map.pfm", np.full((2, 2), 7.0)
+    )  # through the plan; without: past it
     for dtype in (np.uint8, np.uint16):
         pixels = (every * 2654435761 % (np.iinfo(dtype).max + 1)).astype(dtype)
-        (out,) = raster.read(correct(raster.write([Page(pixels)])).out)
-        assert np.array_equal(out.pixels, pixels)
+        for options in ("", f" lcor-illuminance={light}"):
+            (out,) = raster.read(
+                correct(raster.write([Page(pixels)]), "lcor-contrast=9" + options).out
+            )
+            assert np.array_equal(out.pixels, pixels)
 
 
 def test_a_corrected_page_is_marked_and_not_corrected_again(correct):
@@ -139,8 +171,11 @@ def test_the_mark_takes_a_string_no_driver_uses(correct):
 
 def test_pages_are_counted_with_their_copies_by_the_last_filter_only(correct):
     data = raster.write([Page(picture()), Page(picture(8, 9), words={"NumCopies": 2})])
-    for env, said in [({}, True), ({"FINAL_CONTENT_TYPE": "image/pwg-raster"}, True),
-                      ({"FINAL_CONTENT_TYPE": "application/vnd.lcor-raster"}, False)]:
+    for env, said in [
+        ({}, True),
+        ({"FINAL_CONTENT_TYPE": "image/pwg-raster"}, True),
+        ({"FINAL_CONTENT_TYPE": "application/vnd.lcor-raster"}, False),
+    ]:
         result = correct(data, env=env)
         assert result.code == 0 and len(raster.read(result.out)) == 2
         pages = [line for line in result.log.splitlines() if line.startswith("PAGE: ")]
@@ -149,16 +184,22 @@ def test_pages_are_counted_with_their_copies_by_the_last_filter_only(correct):
 
 @pytest.mark.parametrize(
     ("page", "why"),
-    [(Page(ONE_PIXEL, order=PLANAR), "planar order"),
-     (Page(ONE_PIXEL, CMYK), "colour space 6"),
-     (Page(ONE_PIXEL, words={"cupsBytesPerLine": 6}), "6 bytes a line, but 1 pixels need 3"),
-     (Page(ONE_PIXEL, words={"cupsWidth": 2}), "3 bytes a line, but 2 pixels need 6"),
-     (Page(ONE_PIXEL, words={"cupsNumColors": 4}), "4 colours"),
-     (Page(ONE_PIXEL, words={"cupsBitsPerPixel": 32}), "damaged"),
-     (Page(ONE_PIXEL, words={"cupsBitsPerColor": 4}), "4 bits per colour"),
-     (Page(ONE_PIXEL, words={"cupsWidth": 262145, "cupsBytesPerLine": 786435}), "at most 262144 wide"),
-     (Page(ONE_PIXEL, words={"cupsHeight": 2}), "within rows 1 to 2 of 2"),
-     (Page(ONE_PIXEL, words={"cupsHeight": 4000000000}), "of 4000000000")])
+    [
+        (Page(ONE_PIXEL, order=PLANAR), "planar order"),
+        (Page(ONE_PIXEL, CMYK), "colour space 6"),
+        (Page(ONE_PIXEL, words={"cupsBytesPerLine": 6}), "6 bytes a line, but 1 pixels need 3"),
+        (Page(ONE_PIXEL, words={"cupsWidth": 2}), "3 bytes a line, but 2 pixels need 6"),
+        (Page(ONE_PIXEL, words={"cupsNumColors": 4}), "4 colours"),
+        (Page(ONE_PIXEL, words={"cupsBitsPerPixel": 32}), "damaged"),
+        (Page(ONE_PIXEL, words={"cupsBitsPerColor": 4}), "4 bits per colour"),
+        (
+            Page(ONE_PIXEL, words={"cupsWidth": 262145, "cupsBytesPerLine": 786435}),
+            "at most 262144 wide",
+        ),
+        (Page(ONE_PIXEL, words={"cupsHeight": 2}), "within rows 1 to 2 of 2"),
+        (Page(ONE_PIXEL, words={"cupsHeight": 4000000000}), "of 4000000000"),
+    ],
+)
 def test_pages_that_lie_or_cannot_be_corrected_are_refused(correct, page, why):
     for options in ("lcor-contrast=5", "lcor-contrast=5 lcor-reading=texel"):
         result = correct(raster.write([page]), options)
@@ -166,20 +207,41 @@ def test_pages_that_lie_or_cannot_be_corrected_are_refused(correct, page, why):
         assert len(result.errors) == 1 and why in result.errors[0], result.log
 
 
-@pytest.mark.parametrize("words", [{"cupsWidth": 0, "cupsBytesPerLine": 0}, {"cupsHeight": 0}, {"cupsBytesPerLine": 0},
-                                   {"cupsWidth": 0xFFFFFFFF, "cupsBytesPerLine": 0xFFFFFFFD}])
+@pytest.mark.parametrize(
+    "words",
+    [
+        {"cupsWidth": 0, "cupsBytesPerLine": 0},
+        {"cupsHeight": 0},
+        {"cupsBytesPerLine": 0},
+        {"cupsWidth": 0xFFFFFFFF, "cupsBytesPerLine": 0xFFFFFFFD},
+    ],
+)
 def test_empty_and_overflowing_pages_are_refused(correct, words):
     for kind in ("v3", "v2", "pwg"):
         result = correct(raster.write([Page(ONE_PIXEL, words=words)], kind))
         assert result.code == 1 and len(result.errors) == 1, result.log
 
 
-@pytest.mark.parametrize(("data", "why"), [(b"", "is empty"), (b"Ra", "no CUPS or PWG raster"), (b"%PDF-1.4\n", "no CUPS"),
-                                           (b"UNIRAST\0\0\0\0\1", "Apple raster"), (b"3SaR", "no page"),
-                                           (b"3SaR" + bytes(1000), "cut short"), (b"3SaR" + bytes(2000), "damaged")])
+@pytest.mark.parametrize(
+    ("data", "why"),
+    [
+        (b"", "is empty"),
+        (b"Ra", "no CUPS or PWG raster"),
+        (b"%PDF-1.4\n", "no CUPS"),
+        (b"UNIRAST\0\0\0\0\1", "Apple raster"),
+        (b"3SaR", "no page"),
+        (b"3SaR" + bytes(1000), "cut short"),
+        (b"3SaR" + bytes(2000), "damaged"),
+    ],
+)
 def test_what_is_no_raster_is_refused(correct, data, why):
     result = correct(data)
-    assert result.code == 1 and result.out == b"" and len(result.errors) == 1 and why in result.errors[0]
+    assert (
+        result.code == 1
+        and result.out == b""
+        and len(result.errors) == 1
+        and why in result.errors[0]
+    )
 
 
 def test_a_second_page_that_is_damaged_is_no_quiet_end(correct):
@@ -197,11 +259,15 @@ def test_a_raster_cut_anywhere_ends_in_one_error(correct, kind):
         assert result.code == 1 and len(result.errors) == 1, (size, result.log)
 
 
-@pytest.mark.parametrize(("height", "width"), [(1, 1), (100_000, 1), (1, 20_000), (3, 20_000), (700, 4001)])
+@pytest.mark.parametrize(
+    ("height", "width"), [(1, 1), (100_000, 1), (1, 20_000), (3, 20_000), (700, 4001)]
+)
 def test_extreme_sizes(correct, tmp_path, height, width):
     pixels = np.full((height, width, 3), 100, np.uint8)
     light = save_pfm(tmp_path / "map.pfm", ramp(5, 7))
-    result = correct(raster.write([Page(pixels)], "v2"), f"lcor-contrast=23.4 lcor-illuminance={light}")
+    result = correct(
+        raster.write([Page(pixels)], "v2"), f"lcor-contrast=23.4 lcor-illuminance={light}"
+    )
     assert result.code == 0, result.log
     (out,) = raster.read(result.out)
     assert out.pixels.shape == pixels.shape
@@ -213,14 +279,26 @@ def test_maps_of_every_kind_and_size_are_resampled_alike(correct, tmp_path):
     pixels = np.full((60, 50, 3), 120, np.uint8)
     ramp_x = np.linspace(0.5, 1.5, 50)
     coarse = np.interp((np.arange(10) + 0.5) * 5 - 0.5, np.arange(50), ramp_x)[None, :].repeat(4, 0)
-    full = np.interp(np.clip((np.arange(50) + 0.5) / 5 - 0.5, 0, 9), np.arange(10), coarse[0])[None].repeat(60, 0)
+    full = np.interp(np.clip((np.arange(50) + 0.5) / 5 - 0.5, 0, 9), np.arange(10), coarse[0])[
+        None
+    ].repeat(60, 0)
     top = 65535 / 1.6
-    (tmp_path / "map.pgm").write_bytes(b"P5 # comment\n10 4\n65535\n" + np.round(coarse * top).astype(">u2").tobytes())
-    (tmp_path / "map8.pgm").write_bytes(b"P5\n10 4\n200\n" + np.round(coarse * 125).astype("u1").tobytes())
+    (tmp_path / "map.pgm").write_bytes(
+        b"P5 # comment\n10 4\n65535\n" + np.round(coarse * top).astype(">u2").tobytes()
+    )
+    (tmp_path / "map8.pgm").write_bytes(
+        b"P5\n10 4\n200\n" + np.round(coarse * 125).astype("u1").tobytes()
+    )
     outs = []
-    for path in (save_pfm(tmp_path / "a.pfm", coarse), save_pfm(tmp_path / "b.pfm", full), tmp_path / "map.pgm",
-                 tmp_path / "map8.pgm"):
-        result = correct(raster.write([Page(pixels)]), f"lcor-contrast=23.4 lcor-illuminance={path}")
+    for path in (
+        save_pfm(tmp_path / "a.pfm", coarse),
+        save_pfm(tmp_path / "b.pfm", full),
+        tmp_path / "map.pgm",
+        tmp_path / "map8.pgm",
+    ):
+        result = correct(
+            raster.write([Page(pixels)]), f"lcor-contrast=23.4 lcor-illuminance={path}"
+        )
         assert result.code == 0, result.log
         outs.append(raster.read(result.out)[0].pixels.astype(int))
     assert np.ptp(outs[0]) > 50
@@ -228,13 +306,24 @@ def test_maps_of_every_kind_and_size_are_resampled_alike(correct, tmp_path):
     assert np.array_equal(outs[0], outs[1])
 
 
-@pytest.mark.parametrize(("text", "why"), [(b"PF\n1 1\n-1\n" + bytes(12), "neither a grey PFM"), (b"Pf\n1 1\n", "incomplete"),
-                                           (b"Pf\n0 1\n-1\n", "size outside"), (b"P5\n2 2\n255\nabc", "cut short"),
-                                           (b"P5\n2 2\n255\nabcde", "cut short or longer"), (b"P5\n2 2\n0\nabcd", "largest value"),
-                                           (b"Pf\n1 1\nnan\nabcd", "byte order"), (b"P5\n99999 1\n255\n", "size outside")])
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        (b"PF\n1 1\n-1\n" + bytes(12), "neither a grey PFM"),
+        (b"Pf\n1 1\n", "incomplete"),
+        (b"Pf\n0 1\n-1\n", "size outside"),
+        (b"P5\n2 2\n255\nabc", "cut short"),
+        (b"P5\n2 2\n255\nabcde", "cut short or longer"),
+        (b"P5\n2 2\n0\nabcd", "largest value"),
+        (b"Pf\n1 1\nnan\nabcd", "byte order"),
+        (b"P5\n99999 1\n255\n", "size outside"),
+    ],
+)
 def test_broken_maps_are_refused(correct, tmp_path, text, why):
     (tmp_path / "map").write_bytes(text)
-    result = correct(raster.write([Page(ONE_PIXEL)]), f"lcor-contrast=5 lcor-illuminance={tmp_path / 'map'}")
+    result = correct(
+        raster.write([Page(ONE_PIXEL)]), f"lcor-contrast=5 lcor-illuminance={tmp_path / 'map'}"
+    )
     assert result.code == 1 and len(result.errors) == 1 and why in result.errors[0], result.log
     assert result.out == b""
 
@@ -242,8 +331,10 @@ def test_broken_maps_are_refused(correct, tmp_path, text, why):
 def test_light_that_is_no_number_is_black_and_said(correct, tmp_path):
     light = np.ones((4, 4), np.float32)
     light[2, 1] = np.nan
-    result = correct(raster.write([Page(np.full((4, 4, 3), 99, np.uint8))]),
-                     f"lcor-contrast=5 lcor-illuminance={save_pfm(tmp_path / 'map.pfm', light)}")
+    result = correct(
+        raster.write([Page(np.full((4, 4, 3), 99, np.uint8))]),
+        f"lcor-contrast=5 lcor-illuminance={save_pfm(tmp_path / 'map.pfm', light)}",
+    )
     assert result.code == 0 and "WARNING: page 1" in result.log
     (out,) = raster.read(result.out)
     assert out.pixels[0].min() > 99 and (out.pixels[2, 1] == 0).all()  # a dark spot lowers the mean
@@ -254,14 +345,27 @@ def test_the_mean_of_two_passes_can_be_saved_and_given_back(correct, tmp_path):
     two = correct(data, "lcor-contrast=8 lcor-reading=texel")
     (mean,) = mean_said(two)
     stored = picture(200, 300) / 255
-    y = np.where(stored <= 0.04045, stored / 12.92, ((stored + 0.055) / 1.055) ** 2.4) @ [0.2126729, 0.7151522, 0.072175]
+    y = np.where(stored <= 0.04045, stored / 12.92, ((stored + 0.055) / 1.055) ** 2.4) @ [
+        0.2126729,
+        0.7151522,
+        0.072175,
+    ]
     assert mean == pytest.approx(np.exp(np.log(y).mean()), rel=1e-6)
     (tmp_path / "adaptation").write_text(f"# saved\nsomething else\nr_mean {mean}\n")
     for given in (f"lcor-mean={mean}", f"lcor-adaptation={tmp_path / 'adaptation'}"):
         again = correct(data, f"lcor-contrast=8 lcor-reading=texel {given}")
-        assert np.abs(raster.read(again.out)[0].pixels.astype(int) - raster.read(two.out)[0].pixels).max() <= 1
-    assert mean_said(correct(data, "lcor-contrast=8 lcor-reading=texel lcor-mean=literal"))[0] == pytest.approx(mean, rel=1e-3)
-    assert list(tmp_path.iterdir()) == [tmp_path / "adaptation"]  # nothing is left of the spooled page
+        assert (
+            np.abs(
+                raster.read(again.out)[0].pixels.astype(int) - raster.read(two.out)[0].pixels
+            ).max()
+            <= 1
+        )
+    assert mean_said(correct(data, "lcor-contrast=8 lcor-reading=texel lcor-mean=literal"))[
+        0
+    ] == pytest.approx(mean, rel=1e-3)
+    assert list(tmp_path.iterdir()) == [
+        tmp_path / "adaptation"
+    ]  # nothing is left of the spooled page
 
 
 def test_one_pass_ends_at_the_mean_of_the_page(correct):
@@ -277,16 +381,31 @@ def test_one_pass_ends_at_the_mean_of_the_page(correct):
     assert correct(data, options + " lcor-passes=1").out == one.out
 
 
-@pytest.mark.parametrize(("options", "why"), [("", "no device profile"), ("lcor-contrast=1", "contrast"), ("lcor-contrast=nan", "a number"),
-                                              ("lcor-contrast=0x9", "a number"), ("lcor-contrast=5 lcor-rho=7", "rho"),
-                                              ("lcor-contrast=5 lcor-exponent=-1", "exponent"), ("lcor-contrats=5", "unknown option"),
-                                              ("lcor-contrast=5 lcor-reading=both", "choose one of patch, texel"),
-                                              ("lcor-contrast=5 lcor-mean=some", "adaptive, literal or a number"),
-                                              ("lcor-profile=/nowhere/profile", "No such file"), ("lcor-profile=/dev/zero", "regular file"),
-                                              ("lcor-contrast=5 lcor-adaptation=/etc/hostname", "no line")])
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        ("", "no device profile"),
+        ("lcor-contrast=1", "contrast"),
+        ("lcor-contrast=nan", "a number"),
+        ("lcor-contrast=0x9", "a number"),
+        ("lcor-contrast=5 lcor-rho=7", "rho"),
+        ("lcor-contrast=5 lcor-exponent=-1", "exponent"),
+        ("lcor-contrats=5", "unknown option"),
+        ("lcor-contrast=5 lcor-reading=both", "choose one of patch, texel"),
+        ("lcor-contrast=5 lcor-mean=some", "adaptive, literal or a number"),
+        ("lcor-profile=/nowhere/profile", "No such file"),
+        ("lcor-profile=/dev/zero", "regular file"),
+        ("lcor-contrast=5 lcor-adaptation=/etc/hostname", "no line"),
+    ],
+)
 def test_bad_options_are_refused_before_anything_is_written(correct, options, why):
     result = correct(raster.write([Page(ONE_PIXEL)]), options)
-    assert result.code == 1 and result.out == b"" and len(result.errors) == 1 and why in result.errors[0], result.log
+    assert (
+        result.code == 1
+        and result.out == b""
+        and len(result.errors) == 1
+        and why in result.errors[0]
+    ), result.log
 
 
 PROFILE = """CGATS.17
@@ -306,7 +425,7 @@ def test_the_profile_gives_the_contrast_and_jobs_name_it_within_one_folder(corre
     data = raster.write([Page(picture())])
     (tmp_path / "lcor").mkdir()
     (tmp_path / "lcor" / "print.cgats").write_text(PROFILE)
-    by_number = correct(data, f"lcor-contrast={10 ** 1.4:.12g} lcor-reading=texel")
+    by_number = correct(data, f"lcor-contrast={10**1.4:.12g} lcor-reading=texel")
     by_path = correct(data, f"lcor-profile={tmp_path}/lcor/print.cgats lcor-reading=texel")
     assert by_path.code == 0 and by_path.out == by_number.out
     cups = {"CUPS_SERVERROOT": str(tmp_path)}
@@ -321,7 +440,10 @@ def test_the_profile_gives_the_contrast_and_jobs_name_it_within_one_folder(corre
 def test_a_job_in_a_comma_locale_gives_the_same_bytes(correct):
     data = raster.write([Page(picture())])
     options = "lcor-contrast=8.5 lcor-reading=texel"
-    assert correct(data, options, {"LC_ALL": "de_DE.UTF-8", "LANG": "de_DE.UTF-8"}).out == correct(data, options).out
+    assert (
+        correct(data, options, {"LC_ALL": "de_DE.UTF-8", "LANG": "de_DE.UTF-8"}).out
+        == correct(data, options).out
+    )
 
 
 def test_switched_off_it_copies(correct):
@@ -331,11 +453,22 @@ def test_switched_off_it_copies(correct):
 
 def test_sigterm_ends_it_and_leaves_nothing(tmp_path):
     data = raster.write([Page(np.full((4000, 1000, 3), 90, np.uint8))])
-    process = subprocess.Popen([FILTER, "1", "u", "t", "1", "lcor-contrast=5 lcor-reading=texel"], stdin=subprocess.PIPE,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=os.environ | {"TMPDIR": str(tmp_path)})
+    process = subprocess.Popen(
+        [FILTER, "1", "u", "t", "1", "lcor-contrast=5 lcor-reading=texel"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=os.environ | {"TMPDIR": str(tmp_path)},
+    )
     process.stdin.write(data[:6_000_000])  # half a page: the filter waits for the rest
     process.stdin.flush()
-    while not (spool := [f for f in os.listdir(f"/proc/{process.pid}/fd") if "rastertolcor" in os.readlink(f"/proc/{process.pid}/fd/{f}")]):
+    while not (
+        spool := [
+            f
+            for f in os.listdir(f"/proc/{process.pid}/fd")
+            if "rastertolcor" in os.readlink(f"/proc/{process.pid}/fd/{f}")
+        ]
+    ):
         assert process.poll() is None
     assert len(spool) == 1 and list(tmp_path.iterdir()) == []
     process.send_signal(signal.SIGTERM)
@@ -346,12 +479,19 @@ def test_sigterm_ends_it_and_leaves_nothing(tmp_path):
 
 def test_a_reader_that_goes_away_is_an_error_not_a_crash():
     data = raster.write([Page(np.full((2000, 1000, 3), 90, np.uint8))])
-    process = subprocess.Popen([FILTER, "1", "u", "t", "1", "lcor-contrast=5"], stdin=subprocess.PIPE,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    process = subprocess.Popen(
+        [FILTER, "1", "u", "t", "1", "lcor-contrast=5"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
     process.stdout.close()
     process.stdout = None
     _, log = process.communicate(data, timeout=60)
-    assert process.returncode == 1 and b"ERROR: page 1: the output cannot be written: Broken pipe" in log
+    assert (
+        process.returncode == 1
+        and b"ERROR: page 1: the output cannot be written: Broken pipe" in log
+    )
 
 
 def test_memory_does_not_grow_with_the_page(tmp_path):
@@ -360,13 +500,20 @@ def test_memory_does_not_grow_with_the_page(tmp_path):
     peaks = []
     light = save_pfm(tmp_path / "map.pfm", ramp(300, 200))
     for height in (300, 1200):
-        process = subprocess.Popen([FILTER, "1", "u", "t", "1", f"lcor-contrast=5 lcor-illuminance={light}"],
-                                   stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        process = subprocess.Popen(
+            [FILTER, "1", "u", "t", "1", f"lcor-contrast=5 lcor-illuminance={light}"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+        )
         process.stdin.write(raster.write([Page(np.full((height, 4960, 3), 90, np.uint8))]))
         process.stdin.flush()
-        while not process.stderr.readline().startswith(b"PAGE: "):  # the page is done, the job is not
+        while not process.stderr.readline().startswith(
+            b"PAGE: "
+        ):  # the page is done, the job is not
             assert process.poll() is None
-        peaks += [int(line.split()[1]) / 1024 for line in open(f"/proc/{process.pid}/status") if line.startswith("VmHWM:")]
+        (peak,) = re.findall(r"VmHWM:\s+(\d+)", Path(f"/proc/{process.pid}/status").read_text())
+        peaks.append(int(peak) / 1024)
         process.communicate(timeout=20)
         assert process.returncode == 0
     assert peaks[1] < 16 and peaks[1] < peaks[0] + 1, peaks  # MiB

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 import csv
 import os
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,12 @@ def golden(source):
 def columns(table, names):
     """Columns of a table side by side."""
     return np.array([[row[name] for name in names.split()] for row in table])
+
+
+def check(command, **options):
+    """Run a command that must succeed."""
+    done = subprocess.run(command, capture_output=True, text=True, **options)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 @pytest.fixture

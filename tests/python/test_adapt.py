@@ -37,7 +37,12 @@ def test_curve_takes_arrays_of_any_strides(random):
 
 
 def test_curve_refuses_what_lies_outside_the_model():
-    for j, mean, low, high in [(-1.0, 1, 1, 2), (1.0, 0, 1, 2), (1.0, 1, 2, 1), (math.nan, 1, 1, 2)]:
+    for j, mean, low, high in [
+        (-1.0, 1, 1, 2),
+        (1.0, 0, 1, 2),
+        (1.0, 1, 2, 1),
+        (math.nan, 1, 1, 2),
+    ]:
         with pytest.raises(ValueError):
             lcor.adapt(j, mean, low, high)
 
@@ -88,8 +93,11 @@ def test_refining_reaches_the_exact_mean(random):
 
 
 def test_nothing_added_is_an_error():
-    for call in (lambda: lcor.geometric_mean([]), lambda: lcor.Mean().get(),
-                 lambda: lcor.geometric_mean([math.nan])):
+    for call in (
+        lambda: lcor.geometric_mean([]),
+        lambda: lcor.Mean().get(),
+        lambda: lcor.geometric_mean([math.nan]),
+    ):
         with pytest.raises(ValueError):
             call()
     with pytest.raises(ValueError, match='method must be "adaptive" or "literal"'):

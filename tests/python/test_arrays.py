@@ -120,7 +120,9 @@ def test_numbers_rows_and_maps_broadcast(picture, light):
     assert sweep.shape == (6, 8, 3)
     np.testing.assert_array_equal(sweep[2, 3], PLAN.apply([0.9, 0.2, 0.6], light[2, 3])[0])
     frames = np.stack([picture, picture / 2])
-    np.testing.assert_array_equal(PLAN.apply(frames, light)[0][1], PLAN.apply(picture / 2, light)[0])
+    np.testing.assert_array_equal(
+        PLAN.apply(frames, light)[0][1], PLAN.apply(picture / 2, light)[0]
+    )
 
 
 @pytest.mark.parametrize("shape", [(0, 3), (4, 0, 3), (0, 5, 3)])

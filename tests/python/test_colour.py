@@ -26,7 +26,9 @@ def test_hue_and_chroma_agree_with_the_tables(golden):
     )
 
 
-@pytest.mark.parametrize("space", ["ntsc", "srgb", [[0.5, 0.3, 0.2], [0.3, 0.6, 0.1], [0, 0.1, 1.0]]])
+@pytest.mark.parametrize(
+    "space", ["ntsc", "srgb", [[0.5, 0.3, 0.2], [0.3, 0.6, 0.1], [0, 0.1, 1.0]]]
+)
 @pytest.mark.parametrize("transfer", ["linear", "srgb", 2.2])
 def test_there_and_back(random, space, transfer):
     rgb = random.random((5, 7, 3))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from conftest import columns
 
+
 def image(table, *names):
     return columns(table, " ".join(names)).reshape(16, 16, -1).squeeze()
 

@@ -15,9 +15,12 @@ CHUNKS = [(24, 32), (1, 32), (24, 3), (5, 11), (13, 32), (9, 9), ((2, 3, 19), (1
 @pytest.fixture(scope="module")
 def client():
     """Two workers of one thread each, processes of their own."""
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
-    ) as cluster, distributed.Client(cluster) as client:
+    with (
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, dashboard_address=None, host="127.0.0.1"
+        ) as cluster,
+        distributed.Client(cluster) as client,
+    ):
         assert len(client.scheduler_info()["workers"]) == 2
         yield client
 

@@ -259,6 +259,25 @@ static void a_small_buffer_gets_what_fits(void **unused)
     lcor_profile_free(profile);
 }
 
+/* Else the derived values of the text would not be those of its readings. */
+static void a_profile_holds_what_its_text_will_hold(void **unused)
+{
+    (void)unused;
+    lcor_profile *profile = new_profile();
+    lcor_profile_reading r;
+    add(profile, 255.0, 0.0712345678912345);
+    add(profile, 0.0, 1.4412345678912345);
+    assert_int_equal(lcor_profile_reading_get(profile, 1, &r, NULL), LCOR_OK);
+    assert_true(r.density[3] == 1.44123457);
+    char *text = format(profile);
+    lcor_profile *again = NULL;
+    assert_int_equal(lcor_profile_parse(text, strlen(text), NULL, &again, NULL), LCOR_OK);
+    assert_true(lcor_profile_contrast(again) == lcor_profile_contrast(profile));
+    free(text);
+    lcor_profile_free(again);
+    lcor_profile_free(profile);
+}
+
 /* ---- memory ---- */
 
 typedef struct ration {
@@ -284,10 +303,11 @@ static void ration_free(void *ptr, void *user)
 static void short_memory_at_any_allocation_is_told_and_leaks_nothing(void **unused)
 {
     (void)unused;
-    static const char text[] =
-        "ORIGINATOR \"x\"\nMATERIAL \"y\"\nBEGIN_DATA_FORMAT RGB_R RGB_G RGB_B "
-        "D_VIS END_DATA_FORMAT BEGIN_DATA\n255 255 255 .07\n99 99 99 .6\n"
-        "0 0 0 1.44\nEND_DATA\n";
+    char text[2048] = "ORIGINATOR \"x\"\nMATERIAL \"y\"\nBEGIN_DATA_FORMAT RGB_R RGB_G RGB_B D_VIS "
+                      "END_DATA_FORMAT BEGIN_DATA\n255 255 255 .07\n";
+    for (int i = 0; i < 40; i++) /* more readings than fit the first time */
+        strcat(text, "99 99 99 .6\n");
+    strcat(text, "0 0 0 1.44\nEND_DATA\n");
     lcor_status status = LCOR_ERR_NOMEM;
     for (long k = 0; status != LCOR_OK; k++) {
         ration r = {.left = k};
@@ -296,7 +316,7 @@ static void short_memory_at_any_allocation_is_told_and_leaks_nothing(void **unus
         lcor_error err = {.status = LCOR_OK};
         float curve[9];
         assert_in_range(k, 0, 100);
-        status = lcor_profile_parse(text, sizeof text - 1, &allocator, &profile, &err);
+        status = lcor_profile_parse(text, strlen(text), &allocator, &profile, &err);
         if (status == LCOR_OK)
             status = lcor_profile_tone_curve(profile, 9, curve, &err);
         assert_true(status == LCOR_OK || err.status == LCOR_ERR_NOMEM);
@@ -334,6 +354,7 @@ int main(void)
         cmocka_unit_test(wrong_readings_are_refused),
         cmocka_unit_test(keywords_are_set_replaced_and_removed),
         cmocka_unit_test(a_small_buffer_gets_what_fits),
+        cmocka_unit_test(a_profile_holds_what_its_text_will_hold),
         cmocka_unit_test(short_memory_at_any_allocation_is_told_and_leaks_nothing),
         cmocka_unit_test(memory_is_bounded_by_the_text),
     };

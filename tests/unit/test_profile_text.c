@@ -188,6 +188,19 @@ static void luminance_and_lightness_give_densities(void **unused)
              24389.0 / 216.0); /* L* = 8 is Y/Yn = (6/29)^3 */
 }
 
+static void luminance_from_0_to_1_gives_the_same_densities(void **unused)
+{
+    (void)unused;
+    static const char text[] = HEAD XYZ_FORMAT "BEGIN_DATA\n0 0 0 0 .8448 .8762 .7457\n"
+                                               "0 0 0 100 .0202 .0210 .0173\nEND_DATA\n";
+    lcor_profile_result r;
+    lcor_profile *profile = parse_bytes(text, sizeof text - 1);
+    assert_int_equal(lcor_profile_evaluate(profile, &r, NULL), LCOR_OK);
+    check_near(r.d_min, -log10(0.8762), 1e-9, "d_min");
+    check_near(lcor_profile_resolution(profile), 0.01, 1e-12, "resolution");
+    lcor_profile_free(profile);
+}
+
 static void mislabelled_columns_are_refused(void **unused)
 {
     (void)unused;
@@ -243,6 +256,14 @@ static void broken_rows_name_their_line(void **unused)
     refused(HEAD FORMAT "BEGIN_DATA\n1 255 255 255 0.07\nEND_DATA\n", -1, "no reading of black");
     refused(HEAD FORMAT "BEGIN_DATA\n1 0 0 0 1.4\n2 255 0 0 0.9\nEND_DATA\n", -1,
             "no reading of white");
+}
+
+static void lines_are_counted_whatever_ends_them(void **unused)
+{
+    (void)unused;
+    refused("CTI3\r\nNUMBER_OF_SETS 1\r\nNUMBER_OF_SETS x\r\n", 3, "line 3:");
+    refused("CTI3\rNUMBER_OF_SETS 1\r\rNUMBER_OF_SETS x\r", 4, "line 4:");
+    refused("CTI3\nNUMBER_OF_SETS 1\n\nNUMBER_OF_SETS x\n", 4, "line 4:");
 }
 
 static void what_is_no_profile_is_refused(void **unused)
@@ -315,8 +336,10 @@ int main(void)
         cmocka_unit_test(the_number_of_sets_of_other_programs_is_not_trusted),
         cmocka_unit_test(scales_of_device_values_are_recognised),
         cmocka_unit_test(luminance_and_lightness_give_densities),
+        cmocka_unit_test(luminance_from_0_to_1_gives_the_same_densities),
         cmocka_unit_test(mislabelled_columns_are_refused),
         cmocka_unit_test(broken_rows_name_their_line),
+        cmocka_unit_test(lines_are_counted_whatever_ends_them),
         cmocka_unit_test(what_is_no_profile_is_refused),
         cmocka_unit_test(provenance_is_kept_as_utf8),
         cmocka_unit_test(derived_values_are_compared),

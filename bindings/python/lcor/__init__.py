@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from ._colour import hue as hue
     from ._colour import lab_to_rgb as lab_to_rgb
     from ._colour import rgb_to_lab as rgb_to_lab
-    from ._core import __version__ as __version__
     from ._correct import Plan as Plan
     from ._correct import Stats as Stats
     from ._correct import conventional as conventional
@@ -45,6 +44,7 @@ if TYPE_CHECKING:
     from ._scene import Scene as Scene
     from ._solution import Solution as Solution
     from ._solution import solve_radiosity as solve_radiosity
+    from ._version import __version__ as __version__
     from ._view import Camera as Camera
     from ._view import View as View
 
@@ -52,17 +52,17 @@ _HOMES = {
     "_adapt": "Mean adapt adapt_inverse adapt_range contrast_from_density contrast_u95 "
     "geometric_mean",
     "_colour": "chroma hue lab_to_rgb rgb_to_lab",
-    "_core": "__version__",
     "_correct": "Plan Stats conventional correct picture_mean",
     "_errors": "Cancelled FormatError NotConvergedWarning",
     "_profile": "Profile Reading",
     "_scene": "Hit Patches Scene",
     "_solution": "Solution solve_radiosity",
+    "_version": "__version__",
     "_view": "Camera View",
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names.split()}
 
-__all__ = sorted(_HOME)  # noqa: PLE0605
+__all__ = sorted(_HOME)
 
 
 def __getattr__(name: str) -> object:

@@ -151,7 +151,9 @@ def adapt_range(
     return _core.adapt_range(j_mean, j_min, j_max, exponent)
 
 
-def geometric_mean(r: ArrayLike, weights: ArrayLike | None = None, method: str = "adaptive") -> float:
+def geometric_mean(
+    r: ArrayLike, weights: ArrayLike | None = None, method: str = "adaptive"
+) -> float:
     """Geometric mean of the virtual reflectance r (section 4.3), to rounding.
 
     Parameters

@@ -11,4 +11,4 @@ class Cancelled(RuntimeError):
 
 
 class NotConvergedWarning(UserWarning):
-    """The solver stopped before the error asked for was reached; its report says how close it is."""
+    """The solver stopped before the error asked for was reached; its report says how near."""

@@ -232,9 +232,7 @@ class Scene:
         return self._core.add_light(self.directional_light(direction, illuminance))
 
     @staticmethod
-    def point_light(
-        position: Vector, intensity: Channels = 1.0, range: float = 0.0
-    ) -> _core.Light:
+    def point_light(position: Vector, intensity: Channels = 1.0, range: float = 0.0) -> _core.Light:
         """A light for :meth:`set_light`; parameters as for :meth:`add_point_light`."""
         return _core.Light.make(
             _core.LightKind.point,
@@ -314,9 +312,7 @@ class Scene:
         shape = self._shapes[surface]
         return Patches(centres.reshape(*shape, 3), areas.reshape(shape), triple("normal", normal))
 
-    def intersect(
-        self, origin: Vector, direction: Vector, t_max: float = math.inf
-    ) -> Hit | None:
+    def intersect(self, origin: Vector, direction: Vector, t_max: float = math.inf) -> Hit | None:
         """First hit of a ray, or None. Commits the scene.
 
         `t_max` is in lengths of `direction`.

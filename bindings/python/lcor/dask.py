@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 
 try:
-    import dask
     import dask.array as da
+    from dask.base import compute
+    from dask.delayed import delayed
 except ImportError as error:
     raise ImportError('lcor.dask needs dask: pip install "lcor[dask]"') from error
 
@@ -50,7 +51,12 @@ def _chunks(array: Any, count: int) -> list[Any]:
 
 
 def _add(
-    start: lcor.Mean, texture: Any, illuminance: Any, rho: Any, weights: Any, options: dict[str, Any]
+    start: lcor.Mean,
+    texture: Any,
+    illuminance: Any,
+    rho: Any,
+    weights: Any,
+    options: dict[str, Any],
 ) -> lcor.Mean:
     rho = 0.5 if rho is None else rho
     return start.copy().add_picture(texture, illuminance, rho, weights=weights, **options)
@@ -63,7 +69,7 @@ def _merge(means: Iterable[lcor.Mean]) -> lcor.Mean:
 
 def _tree(means: list[Any], fan: int = 8) -> Any:
     """One delayed mean of many, `fan` at a time."""
-    merge = dask.delayed(_merge)
+    merge = delayed(_merge)
     while len(means) > 1:
         means = [merge(means[i : i + fan]) for i in range(0, len(means), fan)]
     return means[0]
@@ -113,11 +119,11 @@ def picture_mean(
     parts = [_chunks(array, count) for array in (texture, light, reflectance, weight)]
     options = {"reading": reading, "space": space, "transfer": transfer}
     start, total = lcor.Mean(), lcor.Mean()
-    add = dask.delayed(_add)
+    add = delayed(_add)
     while True:
-        shared = dask.delayed(start)
+        shared = delayed(start)
         means = [add(shared, *chunk, options) for chunk in zip(*parts)]
-        (total,) = dask.compute(_tree(means))
+        (total,) = compute(_tree(means))
         if total.error(method) == 0:
             return float(total.get(method))
         start = total.refine(method)

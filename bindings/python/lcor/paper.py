@@ -47,9 +47,8 @@ def contrast() -> Claim:
 
 def proportional_range(light: NDArray[Any], luminance: NDArray[Any]) -> tuple[float, float]:
     """Ends of the range around 1 where luminance is illuminance within a millionth."""
-    off = np.abs(luminance / light - 1) > 1e-6
-    low, high = light[off & (light < 1)], light[off & (light > 1)]
-    return float(low.max(initial=light[0])), float(high.min(initial=light[-1]))
+    follows = light[np.abs(luminance / light - 1) <= 1e-6]
+    return float(follows.min()), float(follows.max())
 
 
 def fine_sweep() -> dict[str, NDArray[Any]]:
@@ -68,7 +67,9 @@ def luminance_claims(data: dict[str, NDArray[Any]]) -> list[Claim]:
     paper_high = 8 ** (2 / 3)
     j1, j2 = lcor.adapt_range(1.0, 1.0, CONTRAST)
     mean = paper_high / j2
-    old = proportional_range(light, data["old_luminance"])
+    slope = np.gradient(np.log(data["old_luminance"]), np.log(light))
+    r, b = 1 / COLOUR[0], 1 / COLOUR[2]
+    slopes = [float(np.interp(x, light, slope)) for x in (0.98 * r, 1.02 * r, 0.98 * b, 1.02 * b)]
     return [
         Claim(
             "6, fig. 5a",
@@ -80,19 +81,22 @@ def luminance_claims(data: dict[str, NDArray[Any]]) -> list[Claim]:
         Claim(
             "6, fig. 5a",
             "the range is 8^-1/2 .. 8^2/3 of the illuminance axis",
-            f"with the mean at illuminance 1 the upper end is {high:.3f} = 8^{math.log(high, 8):.3f}, "
+            f"with the mean at illuminance 1 the upper end is {high:.3f} = "
+            f"8^{math.log(high, 8):.3f}, "
             f"not {paper_high:.0f} = 8^2/3; a mean at {mean:.2f} would give "
-            f"{mean * j1:.3f} .. {mean * j2:.3f}, which holds the paper's range. The paper does not "
+            f"{mean * j1:.3f} .. {mean * j2:.3f}, which holds the paper's range. The paper does "
+            f"not "
             "print the illuminances of figure 3 (b) nor their mean",
             "not reproduced as printed: the width is, the place needs a mean that is not given",
         ),
         Claim(
             "6, fig. 5a",
             "the conventional method does not follow once R saturates (illuminance about 1)",
-            f"luminance relative to illuminance is off by a millionth outside {old[0]:.3f} .. "
-            f"{old[1]:.3f}: eq 19 shown on a device of c = {CONTRAST} is not proportional below "
-            "saturation either, since black shows Jmin (eq 10)",
-            "yes, and below saturation too",
+            "d ln H / d ln I falls from {:.2f} to {:.2f} where R saturates, and is {:.2f} and "
+            "{:.2f} "
+            "about B's saturation; 1 would be proportional. Below saturation it is not 1 either, "
+            "since the device's black shows Jmin (eq 10)".format(*slopes),
+            "yes" if slopes[1] < 0.8 * slopes[0] else "no",
         ),
     ]
 
@@ -141,6 +145,15 @@ def hue_claims(data: dict[str, NDArray[Any]]) -> list[Claim]:
     ]
 
 
+def clipped_turn() -> float:
+    """Largest turn of hue when colours out of gamut are clipped instead."""
+    rho = float(lcor.lab_to_rgb([float(lcor.rgb_to_lab(COLOUR)[0]), 0.0, 0.0])[0])
+    plan = lcor.Plan(CONTRAST, rho, rho, gamut="clip")
+    lab = lcor.rgb_to_lab(plan.apply(COLOUR, np.linspace(0.1, 1.9, 20001))[0])
+    turn = np.asarray(lcor.hue(lab)) - float(lcor.hue(lcor.rgb_to_lab(COLOUR)))
+    return float(np.abs(np.degrees(turn))[np.asarray(lcor.chroma(lab)) > 1e-3].max())
+
+
 def chroma_claims(data: dict[str, NDArray[Any]]) -> list[Claim]:
     """Figure 5 (c): chroma."""
     light, chroma = data["illuminance"], data["new_chroma"]
@@ -156,22 +169,26 @@ def chroma_claims(data: dict[str, NDArray[Any]]) -> list[Claim]:
         Claim(
             "6, fig. 5c",
             "chroma falls on both sides of the original lightness (eq 16)",
-            f"peak {chroma[peak]:.2f} at illuminance {light[peak]:.3f} of the mean, the texture's own "
+            f"peak {chroma[peak]:.2f} at illuminance {light[peak]:.3f} of the mean, the "
+            f"texture's own "
             f"chroma being {float(lcor.chroma(lcor.rgb_to_lab(COLOUR))):.2f}",
             "yes",
         ),
         Claim(
             "6, fig. 5c",
             "the conventional method's chroma changes abruptly where R and B saturate",
-            f"kinks found at {bends[0]:.3f} and {bends[1]:.3f}; R = 255 at {r:.3f}, B = 255 at {b:.3f}",
+            f"kinks found at {bends[0]:.3f} and {bends[1]:.3f}; R = 255 at {r:.3f}, B = 255 at "
+            f"{b:.3f}",
             "yes" if close else "no",
         ),
         Claim(
             "6",
             "the correction saturates only where display luminance is that of white",
-            f"white from illuminance {float(white.min()):.3f} on (J2 = {high:.3f}); a channel reaches "
-            f"1 from {float(saturated.min()):.3f} on, where the gamut rule lowers chroma: eqs 14-16 "
-            "alone leave RGB 0..1 there by less than 1 %",
+            f"white from illuminance {float(white.min()):.3f} on (J2 = {high:.3f}); a channel "
+            f"reaches "
+            f"1 from {float(saturated.min()):.3f} on, where the gamut rule lowers chroma; "
+            f"clipping that "
+            f"channel instead would turn hue by {clipped_turn():.2f} degrees",
             "yes for lightness; R needs the gamut rule just below white",
         ),
     ]
@@ -214,14 +231,16 @@ def room_claims() -> list[Claim]:
             "5.4, table 3",
             "a cubic room of 2500 patches a face with one point light is solved by radiosity",
             f"estimated error {report['error_rms']:.1e} rms, energy defect "
-            f"{report['energy_defect']:.0e}; irradiance from {light.min():.2f} to {light.max():.2f}, "
+            f"{report['energy_defect']:.0e}; irradiance from {light.min():.2f} to "
+            f"{light.max():.2f}, "
             f"a ratio of {light.max() / light.min():.1f}",
             "yes" if report["converged"] else "no",
         ),
         Claim(
             "6, figs 3 and 4",
             "under a room's illuminance hue shifts visibly with eq 19, not with the correction",
-            f"random texels on its {light.size} patches: hue turns by {turns[1].max():.0f} degrees at "
+            f"random texels on its {light.size} patches: hue turns by {turns[1].max():.0f} "
+            f"degrees at "
             f"most and by more than 5 in {100 * float((turns[1] > 5).mean()):.0f} % with eq 19; by "
             f"{turns[0].max():.0e} at most with the correction",
             "yes" if turns[0].max() < 1e-6 < 5 < turns[1].max() else "no",
@@ -246,7 +265,10 @@ def write_tables(rows: list[Claim], directory: Path) -> None:
         writer = csv.writer(file)
         writer.writerow(Claim._fields)
         writer.writerows(rows)
-    lines = ["| where | the paper's claim | measured here | agreement |", "| --- | --- | --- | --- |"]
+    lines = [
+        "| where | the paper's claim | measured here | agreement |",
+        "| --- | --- | --- | --- |",
+    ]
     lines += ["| " + " | ".join(row) + " |" for row in rows]
     (directory / "claims.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
@@ -261,7 +283,11 @@ def write_figures(directory: Path) -> list[tuple[str, str]]:
         ("figure1.png", "adaptation, eq 8", plots.adaptation(CONTRAST)),
         ("figure2.png", "chroma against lightness, eq 16", plots.chroma_rule()),
         ("figure4-floor.png", "illuminance of the room's floor", plots.false_colour(floor)),
-        ("figure5.png", "luminance, hue and chroma against illuminance", plots.figure5(CONTRAST, COLOUR)),
+        (
+            "figure5.png",
+            "luminance, hue and chroma against illuminance",
+            plots.figure5(CONTRAST, COLOUR),
+        ),
     ]
     for name, _, figure in figures:
         figure.savefig(directory / name)
@@ -271,7 +297,9 @@ def write_figures(directory: Path) -> list[tuple[str, str]]:
 def main(arguments: list[str] | None = None) -> int:
     """The command; returns its exit code."""
     parser = argparse.ArgumentParser(prog="python -m lcor.paper", description=__doc__)
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="made if missing")
+    parser.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="DIR", help="made if missing"
+    )
     directory: Path = parser.parse_args(arguments).output
     try:
         directory.mkdir(parents=True, exist_ok=True)
@@ -283,7 +311,11 @@ def main(arguments: list[str] | None = None) -> int:
         return 1
     for row in rows:
         print(f"{row.where}: {row.claim}\n    {row.measured}\n    reproduced: {row.agreement}")
-    for name, what in [*figures, ("claims.md", "this table"), ("claims.csv", "the same for programs")]:
+    for name, what in [
+        *figures,
+        ("claims.md", "this table"),
+        ("claims.csv", "the same for programs"),
+    ]:
         print(f"{directory / name}: {what}")
     return 0
 

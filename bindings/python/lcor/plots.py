@@ -27,7 +27,9 @@ import lcor
 NEW, OLD, GIVEN = "#1f5fa8", "#d9691a", "#777777"
 
 
-def _figure(columns: int = 1, rows: int = 1, width: float = 4.2, height: float = 3.4) -> Any:
+def _figure(
+    columns: int = 1, rows: int = 1, width: float = 4.2, height: float = 3.4
+) -> tuple[Figure, NDArray[Any]]:
     figure = Figure(figsize=(width * columns, height * rows), dpi=150, layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False)
     for ax in axes.flat:
@@ -46,7 +48,7 @@ def _picture(ax: Axes, title: str) -> None:
 
 
 def _hue_degrees(lab: NDArray[Any]) -> NDArray[Any]:
-    angle = np.degrees(np.asarray(lcor.hue(lab)))
+    angle: NDArray[Any] = np.degrees(np.asarray(lcor.hue(lab)))
     angle[np.asarray(lcor.chroma(lab)) < 1e-6] = np.nan  # grey has no hue
     return angle
 
@@ -70,8 +72,9 @@ def sweep(
     Returns
     -------
     dict
-        illuminance; and for both methods (new_, old_) the display luminance H in units of its
-        middle, hue [degrees], chroma, rgb. old_ is eq 19 with rho I in place of Y.
+        illuminance, and for each method the display luminance H in units of its middle, the hue
+        [degrees], chroma and rgb: ``new_luminance`` and so on for the correction, ``old_...`` for
+        eq 19.
 
     Examples
     --------
@@ -80,7 +83,9 @@ def sweep(
     >>> data["new_luminance"].round(9)
     array([0.5, 1. ])
     """
-    light = 8.0 ** np.linspace(-1, 1, 1201) if illuminance is None else np.asarray(illuminance, float)
+    light = (
+        8.0 ** np.linspace(-1, 1, 1201) if illuminance is None else np.asarray(illuminance, float)
+    )
     colour = np.asarray(rgb, np.float64)
     lightness = float(lcor.rgb_to_lab(colour)[0])
     rho = float(lcor.lab_to_rgb([lightness, 0.0, 0.0])[0])  # Y of the grey of equal lightness
@@ -160,11 +165,15 @@ def adaptation(contrast: float = 23.4, exponents: Sequence[float] = (0.5, 1.0, 2
     j = np.logspace(-3, 3, 1201)
     for t, shade in zip(exponents, np.linspace(0.35, 1.0, len(exponents))):
         j1, j2 = lcor.adapt_range(1.0, 1.0, contrast, t)
-        ax.loglog(j, lcor.adapt(j, 1.0, 1.0, contrast, t), color=NEW, alpha=shade, label=f"t = {t:g}")
+        ax.loglog(
+            j, lcor.adapt(j, 1.0, 1.0, contrast, t), color=NEW, alpha=shade, label=f"t = {t:g}"
+        )
         ax.plot([j1, j2], [1, contrast], "o", color=NEW, alpha=shade, markersize=4)
         if t == 1.0:
             ax.annotate("J1", (j1, 1), textcoords="offset points", xytext=(0, -12), ha="center")
-            ax.annotate("J2", (j2, contrast), textcoords="offset points", xytext=(0, 6), ha="center")
+            ax.annotate(
+                "J2", (j2, contrast), textcoords="offset points", xytext=(0, 6), ha="center"
+            )
     middle = (1 + contrast) / 2
     ax.plot([j[0], 1, 1], [middle, middle, 0.7], color=GIVEN, linewidth=0.7, linestyle=":")
     ax.set_xlabel("scene luminance J / mean")
@@ -324,16 +333,25 @@ def convergence(
     figure, axes = _figure(2)
     left, right = axes[0]
     left.loglog(tolerances, [r["error_rms"] for r in reports], "o-", color=NEW, label="rms")
-    left.loglog(tolerances, [r["error_max"] for r in reports], "s--", color=OLD, label="largest seen")
-    left.loglog(tolerances, tolerances, color=GIVEN, linewidth=0.8, linestyle=":", label="asked for")
+    left.loglog(
+        tolerances, [r["error_max"] for r in reports], "s--", color=OLD, label="largest seen"
+    )
+    left.loglog(
+        tolerances, tolerances, color=GIVEN, linewidth=0.8, linestyle=":", label="asked for"
+    )
     left.set_xlabel("tolerance asked for")
     left.set_ylabel("estimated error")
     left.legend(fontsize=8, frameon=False)
     seconds = [max(r["seconds"], 1e-7) for r in reports]
     right.loglog(seconds, [r["error_rms"] for r in reports], "o-", color=NEW)
     for r, s in zip(reports, seconds):
-        right.annotate(f"{r['bytes'] / 1e6:.2g} MB", (s, r["error_rms"]), fontsize=6, xytext=(4, 3),
-                       textcoords="offset points")
+        right.annotate(
+            f"{r['bytes'] / 1e6:.2g} MB",
+            (s, r["error_rms"]),
+            fontsize=6,
+            xytext=(4, 3),
+            textcoords="offset points",
+        )
     right.set_xlabel("seconds")
     right.set_ylabel("estimated error (rms)")
     left.set_title("error", fontsize=10)

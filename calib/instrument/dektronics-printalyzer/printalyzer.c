@@ -195,25 +195,31 @@ static bool is_refusal(const char *reply)
     return strcmp(reply, "NAK") == 0 || strcmp(reply, "ERR") == 0;
 }
 
-/* "0.0800/0.3201 2.1100/0.0123": two targets, each density / count. False: not calibrated. */
-static bool calibration_fact(instrument *in, const char *key, const char *reply)
+typedef enum calibration { CALIBRATION_UNKNOWN, CALIBRATION_NONE, CALIBRATION_GOOD } calibration;
+
+/* Two targets, each density and count: kept as "0.0800/0.320100 1.5000/0.012300". An answer that is
+ * not four numbers does not tell whether it is calibrated. */
+static calibration calibration_fact(instrument *in, const char *key, const char *reply)
 {
     float values[4];
+    bool good = true;
     for (int i = 0; i < 4; i++) {
         const char *text;
         const size_t n = field_of(reply, i, &text);
-        if (n != HEX_LENGTH || !parse_hex_float((const uint8_t *)text, &values[i]) ||
-            !isfinite(values[i]))
-            return false;
+        if (n != HEX_LENGTH || !parse_hex_float((const uint8_t *)text, &values[i]))
+            return CALIBRATION_UNKNOWN;
+        good = good && fabsf(values[i]) < 1e9F && (i % 2 == 0 || values[i] > 0.0F);
     }
-    if (!(values[1] > 0.0F) || !(values[3] > 0.0F))
-        return false;
+    if (!good) {
+        instrument_fact_set(in, key, "none", 4);
+        return CALIBRATION_NONE;
+    }
     char text[4][24], all[100];
     for (int i = 0; i < 4; i++)
         lccal_format_number(text[i], sizeof text[i], (double)values[i], 4 + i % 2 * 2);
     const int n = snprintf(all, sizeof all, "%s/%s %s/%s", text[0], text[1], text[2], text[3]);
     instrument_fact_set(in, key, all, (size_t)n);
-    return true;
+    return CALIBRATION_GOOD;
 }
 
 /* Who it is and how it is calibrated. One that knows only some of the questions is good enough to
@@ -245,20 +251,14 @@ static cal_status interview(instrument *in, int timeout_ms, cal_error *err)
     bool uncalibrated = true;
     for (int transmission = 0; transmission < 2; transmission++) {
         const char *command = transmission ? "GC TRAN" : "GC REFL";
+        const char *key = transmission ? "calibration_transmission" : "calibration_reflection";
         const cal_status status = ask(in, command, "", timeout_ms, reply, sizeof reply, NULL);
         if (status != CAL_OK)
             return status == CAL_TIMEOUT || status == CAL_PROTOCOL
                        ? CAL_OK
                        : instrument_fail(in, status, err);
-        if (is_refusal(reply)) {
-            uncalibrated = false; /* it does not tell */
-            continue;
-        }
-        const char *key = transmission ? "calibration_transmission" : "calibration_reflection";
-        if (calibration_fact(in, key, reply))
+        if (calibration_fact(in, key, reply) != CALIBRATION_NONE)
             uncalibrated = false;
-        else
-            instrument_fact_set(in, key, "none", 4);
     }
     return uncalibrated ? instrument_fail(in, CAL_CALIBRATE, err) : CAL_OK;
 }

@@ -59,96 +59,124 @@ static size_t number_at(const line_format *format, const char *text, double *val
     return length;
 }
 
-static bool mode_taken(const line_format *format, char mode, reading *out)
-{
-    out->kind = mode == 'R' ? READING_REFLECTION : READING_TRANSMISSION;
-    return format->mode == 0 || format->mode == mode;
-}
+/* What a form makes of a line. A form that knows the line and refuses it keeps the wider forms
+ * after it from taking a number out of it that is no density. */
+typedef enum match { MATCH_NONE, MATCH_REFUSED, MATCH_READING } match;
 
 /* T+1.53D, R-0.05D, T+.278D; Z (zone) and % (dot area) are no densities, 0+....D is stand-by. */
-static bool parse_signed(const line_format *format, const char *text, size_t n, reading *out)
+static match parse_signed(const line_format *format, const char *text, size_t n, reading *out)
 {
-    if (n != 7 || (text[0] != 'R' && text[0] != 'T') || text[6] != 'D' ||
-        (text[1] != '+' && text[1] != '-') || !memchr(text + 2, '.', 4) ||
-        !lccal_parse_number(text + 1, 5, &out->value))
-        return false;
+    if (n != 7 || !strchr("RT0", text[0]) || (text[1] != '+' && text[1] != '-') ||
+        strspn(text + 2, "0123456789.") != 4 || !strchr("DZ%", text[6]))
+        return MATCH_NONE;
     const char *point = memchr(text + 2, '.', 4);
+    if (text[0] == '0' || text[6] != 'D' || !point || !lccal_parse_number(text + 1, 5, &out->value))
+        return MATCH_REFUSED;
     out->step = pow(10.0, -(double)(text + 5 - point));
-    return mode_taken(format, text[0], out);
+    out->kind = text[0] == 'R' ? READING_REFLECTION : READING_TRANSMISSION;
+    return format->mode == 0 || format->mode == text[0] ? MATCH_READING : MATCH_REFUSED;
 }
 
 /* DenAA +1.47, 0.00, 0.00, 0.00, 0.00: filter A (white), B red, C green, D blue; then A absolute or
  * R relative, where the first number is the difference to a reference and no density. */
-static bool parse_tobias(const line_format *format, const char *text, reading *out)
+static match parse_tobias(const line_format *format, const char *text, reading *out)
 {
-    if (strncmp(text, "DenAA", 5) != 0)
-        return false;
+    if (strncmp(text, "Den", 3) != 0 || !text[3] || !strchr("ABCD", text[3]) || !text[4] ||
+        !strchr("AR", text[4]))
+        return MATCH_NONE;
     const char *at = text + 5 + strspn(text + 5, " ");
     const size_t n = number_at(format, at, &out->value, &out->step);
-    return n > 0 && (at[n] == ',' || at[n] == '\0');
+    const bool whole = n > 0 && (at[n] == ',' || at[n] == '\0');
+    return whole && text[3] == 'A' && text[4] == 'A' ? MATCH_READING : MATCH_REFUSED;
 }
 
-/* V1.37 C0.05 M0.06 Y0.07: letter, density, separators. C and R both name the red filter. */
-static bool parse_fields(const line_format *format, const char *text, reading *out)
+/* One of the values of a line of fields. */
+static bool take_field(const line_format *format, char letter, double value, double step,
+                       bool seen[4], reading *out)
 {
-    static const char filters[3][3] = {"CR", "MG", "YB"};
-    bool visual = false, colour[3] = {false, false, false};
+    static const char filters[3][3] = {"CR", "MG", "YB"}; /* C and R both name the red filter */
+    if (strchr(format->visual, letter)) {
+        if (seen[3])
+            return false;
+        seen[3] = true;
+        out->value = value;
+        out->step = step;
+        if (letter >= 'a') /* Advanced Technet: a small letter is transmission */
+            out->kind = READING_TRANSMISSION;
+        return true;
+    }
+    const char capital = letter >= 'a' ? (char)(letter - 'a' + 'A') : letter;
+    for (int i = 0; i < 3; i++) {
+        if (strchr(filters[i], capital)) {
+            seen[i] = true;
+            out->density[i] = value;
+        }
+    }
+    return true;
+}
+
+/* V1.37 C0.05 M0.06 Y0.07: letter, density, separators. */
+static match parse_fields(const line_format *format, const char *text, reading *out)
+{
+    bool seen[4] = {false, false, false, false};
     while (*text) {
         double value, step;
         const char letter = *text;
         if (!strchr("VRGBCMYKPvrgbcmyp", letter))
-            return false;
+            return MATCH_NONE;
         text += text[1] == ' ' ? 2 : 1;
         const size_t n = number_at(format, text, &value, &step);
         if (n == 0 || (text[n] && text[n] != ' ' && text[n] != ','))
-            return false;
-        if (strchr(format->visual, letter)) {
-            if (visual)
-                return false;
-            visual = true;
-            out->value = value;
-            out->step = step;
-            /* Adv. Technet: a small letter is transmission. */
-            if (letter >= 'a')
-                out->kind = READING_TRANSMISSION;
-        }
-        const char capital = letter >= 'a' ? (char)(letter - 'a' + 'A') : letter;
-        for (int i = 0; i < 3; i++) {
-            if (strchr(filters[i], capital) && !strchr(format->visual, letter)) {
-                colour[i] = true;
-                out->density[i] = value;
-            }
-        }
+            return MATCH_NONE;
+        if (!take_field(format, letter, value, step, seen, out))
+            return MATCH_REFUSED;
         text += n;
         text += strspn(text, " ,");
     }
-    out->has_colour = colour[0] && colour[1] && colour[2];
-    return visual;
+    out->has_colour = seen[0] && seen[1] && seen[2];
+    return seen[3] ? MATCH_READING : MATCH_REFUSED;
 }
 
-static bool parse_plain(const line_format *format, const char *text, reading *out)
+static match parse_plain(const line_format *format, const char *text, reading *out)
 {
     const size_t n = number_at(format, text, &out->value, &out->step);
-    return n > 0 && text[n] == '\0';
+    return n > 0 && text[n] == '\0' ? MATCH_READING : MATCH_NONE;
 }
 
 /* The first number of a line nobody knows. Lines of a Printalyzer that are no readings must not
  * pass for one: replies start with two capitals and a space, log lines with a letter and a slash.
  */
-static bool parse_any(const line_format *format, const char *text, reading *out)
+static match parse_any(const line_format *format, const char *text, reading *out)
 {
     if ((strchr("SGI", text[0]) && text[1] && strchr("SMCD", text[1]) && text[2] == ' ') ||
         (strchr("AEWIDV", text[0]) && text[1] == '/'))
-        return false;
+        return MATCH_REFUSED;
     const char *at = text;
     while (*at && !is_digit(*at))
         at++;
     if (at > text && at[-1] == '.')
-        return false;
+        return MATCH_REFUSED;
     if (at > text && (at[-1] == '-' || at[-1] == '+'))
         at--;
     const size_t n = number_at(format, at, &out->value, &out->step);
-    return n > 0 && at[n] != '.' && !is_digit(at[n]) && at[n] != '%';
+    return n > 0 && at[n] != '.' && !is_digit(at[n]) && at[n] != '%' ? MATCH_READING
+                                                                     : MATCH_REFUSED;
+}
+
+static match parse_text(const line_format *format, const char *text, size_t n, reading *out)
+{
+    match m = MATCH_NONE;
+    if (format->forms & FORM_SIGNED)
+        m = parse_signed(format, text, n, out);
+    if (m == MATCH_NONE && (format->forms & FORM_TOBIAS))
+        m = parse_tobias(format, text, out);
+    if (m == MATCH_NONE && (format->forms & FORM_FIELDS))
+        m = parse_fields(format, text, out);
+    if (m == MATCH_NONE && (format->forms & FORM_NUMBER))
+        m = parse_plain(format, text, out);
+    if (m == MATCH_NONE && (format->forms & FORM_ANY))
+        m = parse_any(format, text, out);
+    return m;
 }
 
 parse_result line_parse(const line_format *format, const uint8_t *bytes, size_t n, size_t *used,
@@ -163,12 +191,7 @@ parse_result line_parse(const line_format *format, const uint8_t *bytes, size_t 
     if (!clean(bytes + start, length, text, &length))
         return PARSE_BAD;
     out->kind = format->mode == 'T' ? READING_TRANSMISSION : READING_REFLECTION;
-    const bool ok = ((format->forms & FORM_SIGNED) && parse_signed(format, text, length, out)) ||
-                    ((format->forms & FORM_TOBIAS) && parse_tobias(format, text, out)) ||
-                    ((format->forms & FORM_FIELDS) && parse_fields(format, text, out)) ||
-                    ((format->forms & FORM_NUMBER) && parse_plain(format, text, out)) ||
-                    ((format->forms & FORM_ANY) && parse_any(format, text, out));
-    if (!ok)
+    if (parse_text(format, text, length, out) != MATCH_READING)
         return PARSE_BAD;
     out->value *= format->scale;
     out->step *= format->scale;

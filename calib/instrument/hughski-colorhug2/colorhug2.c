@@ -83,8 +83,9 @@ static cal_status fail_code(instrument *in, int code, cal_error *err)
 static cal_status ask(instrument *in, uint8_t command, const uint8_t *arguments, size_t n,
                       int timeout_ms, cal_error *err)
 {
-    uint8_t request[REPORT] = {command};
-    memcpy(request + 1, arguments, n);
+    uint8_t request[1 + REPORT] = {0, command}; /* reports have no number */
+    if (n > 0)
+        memcpy(request + 2, arguments, n);
     for (int attempt = 0;; attempt++) {
         cal_status result = CAL_OK;
         for (int i = 0; result == CAL_OK && i < STALE_LIMIT; i++) {
@@ -198,6 +199,7 @@ const instrument_driver colorhug2_driver = {
     .name = "colorhug2",
     .title = "ColorHug2",
     .on_hid = true,
+    .displays = true,
     .how = "show the patch full-screen and hang the instrument before it; it reads by itself",
     .identify = identify,
     .measure = measure,

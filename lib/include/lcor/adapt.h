@@ -67,14 +67,14 @@ typedef struct lcor_mean_sum {
  *  on 8-bit devices; lcor_mean_refine and a second pass over the same values make it 512 times
  *  smaller or more, and so on down to rounding. Fields are for the calls below. */
 typedef struct lcor_mean {
-    uint64_t      rejected;      /**< values left out: NaN, infinite, negative, bad weight */
-    uint64_t      zeros[2];      /**< weight of r = 0 */
-    uint64_t      top;           /**< upper end of the bins, log2 r + 1088 in unit 2^-52; 0: none */
-    uint64_t      largest;       /**< of all r, same unit */
-    int           shift;         /**< log2 of a bin's width in that unit */
-    int           pass;          /**< 0, 1, 2... */
-    int           method;        /**< of the latest refinement */
-    lcor_mean_sum above, below;  /**< what lies outside the bins */
+    uint64_t rejected;          /**< values left out: NaN, infinite, negative, bad weight */
+    uint64_t zeros[2];          /**< weight of r = 0 */
+    uint64_t top;               /**< upper end of the bins, log2 r + 1088 in unit 2^-52; 0: none */
+    uint64_t largest;           /**< of all r, same unit */
+    int shift;                  /**< log2 of a bin's width in that unit */
+    int pass;                   /**< 0, 1, 2... */
+    int method;                 /**< of the latest refinement */
+    lcor_mean_sum above, below; /**< what lies outside the bins */
     lcor_mean_sum bins[LCOR_MEAN_BINS]; /**< from the top downwards */
 } lcor_mean;
 
@@ -97,8 +97,7 @@ LCOR_API void lcor_mean_refine(lcor_mean *mean, lcor_mean_method method);
 /** The mean of one array, to rounding: as many passes as it takes, seldom more than two.
  *  Stack: 17 KiB.  Errors: LCOR_ERR_DOMAIN no valid value of weight > 0. */
 LCOR_API lcor_status lcor_geometric_mean(size_t n, const double *r, const double *weights,
-                                         lcor_mean_method method, double *r_mean,
-                                         lcor_error *err);
+                                         lcor_mean_method method, double *r_mean, lcor_error *err);
 
 #ifdef __cplusplus
 }

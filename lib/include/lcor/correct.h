@@ -5,6 +5,10 @@
  *  Two passes over a picture: lcor_plan_reflectance_row and lcor_mean_add on every row give r_mean;
  *  lcor_correct_row writes the corrected pixels.
  *
+ *  Rows whose samples are all u8, u16 or f32 are computed in float, others in double (as are the
+ *  rare plans of docs/MODEL.md, "Two paths"). Output has the same bytes on every processor and
+ *  from every compiler. Row calls use at most 5 KB of stack.
+ *
  *  | call                                       | may run at the same time as                  |
  *  |--------------------------------------------|----------------------------------------------|
  *  | row calls on one plan                      | row calls on the same plan, other buffers    |
@@ -116,10 +120,29 @@ LCOR_API void lcor_plan_reflectance_row(const lcor_plan *plan, size_t n, const v
  *                      agree, no other overlap
  *  @param stats        added to; may be NULL
  *
- *  Errors: none.  Memory: none.  Cost: O(n). */
+ *  Errors: none.  Memory: none.  Cost: O(n).
+ *  Accuracy: docs/MODEL.md, "Accuracy". */
 LCOR_API void lcor_correct_row(const lcor_plan *plan, size_t row, size_t n, const void *texels,
                                const void *illuminance, const void *rho, void *out,
                                lcor_row_stats *stats);
+
+/** The lightness planes of a texture, for pictures that show it many times: f of eqs 2-4.
+ *
+ *  Rows corrected from them compute one cube root a pixel instead of four.
+ *
+ *  @param texels  n pixels of in_type and in_layout
+ *  @param f       fx of pixel i in f[i], fy in f[plane + i], fz in f[2 * plane + i]; they may be
+ *                 filtered like any texture. Bad texels (rule S10) become NaN.
+ *  @param plane   >= n
+ *
+ *  Errors: none.  Memory: none.  Cost: O(n). */
+LCOR_API void lcor_plan_texture_row(const lcor_plan *plan, size_t n, const void *texels, float *f,
+                                    size_t plane);
+
+/** lcor_correct_row from such planes instead of texels; `out` must not overlap f. */
+LCOR_API void lcor_correct_texture_row(const lcor_plan *plan, size_t row, size_t n, const float *f,
+                                       size_t plane, const void *illuminance, const void *rho,
+                                       void *out, lcor_row_stats *stats);
 
 /** The conventional method for comparison: linear RGB times rho times illuminance, clipped
  *  (eq 19). Contrast, mean, reading and gamut of the plan play no part. */

@@ -39,7 +39,7 @@ static void mul64(uint64_t a, uint64_t b, uint64_t *lo, uint64_t *hi)
 }
 
 /* weight times position, in the unit of moments: 2^-72 2^-52 -> 2^-60 */
-static void moment_of(const uint64_t weight[2], uint64_t l, uint64_t out[2])
+static LCOR_APART void moment_of(const uint64_t weight[2], uint64_t l, uint64_t out[2])
 {
     uint64_t lo, hi;
 
@@ -50,7 +50,7 @@ static void moment_of(const uint64_t weight[2], uint64_t l, uint64_t out[2])
     add128(out, lo, hi);
 }
 
-static void add_sum(lcor_mean_sum *into, const lcor_mean_sum *from)
+static LCOR_APART void add_sum(lcor_mean_sum *into, const lcor_mean_sum *from)
 {
     add128(into->weight, from->weight[0], from->weight[1]);
     add128(into->moment, from->moment[0], from->moment[1]);
@@ -58,13 +58,13 @@ static void add_sum(lcor_mean_sum *into, const lcor_mean_sum *from)
 
 static int is_empty(const lcor_mean_sum *s) { return (s->weight[0] | s->weight[1]) == 0; }
 
-static double weight_as_double(const uint64_t weight[2])
+static LCOR_APART double weight_as_double(const uint64_t weight[2])
 {
     return (double)weight[1] * (1.0 / 256.0) + (double)weight[0] * (1.0 / 256.0) * 0x1p-64;
 }
 
 /* Sum of w (l - origin), signed and without cancellation. */
-static double moment_about(const lcor_mean_sum *s, uint64_t origin)
+static LCOR_APART double moment_about(const lcor_mean_sum *s, uint64_t origin)
 {
     uint64_t m[2], a[2], b[2];
     int negative;
@@ -209,7 +209,7 @@ static double own_part(const place *at, spread how, double t)
     return w * fmax(m - t, 0.0);
 }
 
-static double g_at(const place *at, spread how, double t)
+static LCOR_APART double g_at(const place *at, spread how, double t)
 {
     return moment_about(&at->above, at->origin) - t * weight_as_double(at->above.weight) +
            own_part(at, how, t);
@@ -258,7 +258,7 @@ static void find_place(const lcor_mean *mean, lcor_mean_method method, place *at
 }
 
 /* log2 of the mean from at->origin, if the bin in doubt is spread as told */
-static double log2_mean(const place *at, lcor_mean_method method, spread how)
+static LCOR_APART double log2_mean(const place *at, lcor_mean_method method, spread how)
 {
     const double target = at->total * LOG2_10;
     double lo = at->lo, hi = at->hi;

@@ -18,6 +18,15 @@
 #define LCOR_PRINTF(format_at, args_at)
 #endif
 
+/* A static function of which one copy is enough: print drivers count bytes. */
+#if defined(__clang__)
+#define LCOR_APART __attribute__((noinline))
+#elif defined(__GNUC__)
+#define LCOR_APART __attribute__((noinline, noclone))
+#else
+#define LCOR_APART
+#endif
+
 /* Fill *err (may be NULL) and return `status`, so that a failure is one return statement.
  * `where` is the index of the offending item or line, or -1. Formats may print integers and
  * strings only: floating-point conversions follow the host's locale. */

@@ -164,62 +164,48 @@ void lcor_xyz_from_lab(const lcor_colour *colour, const double lab[3], double xy
     xyz[2] = colour->white[2] * lcor_internal_f_inverse(colour->lightness, fz);
 }
 
-static void lab_from_stored(const lcor_colour *colour, double c[3])
-{
-    for (int i = 0; i < 3; i++)
-        c[i] = lcor_transfer_to_linear(colour, c[i]);
-    lcor_xyz_from_rgb(colour, c, c);
-    lcor_lab_from_xyz(colour, c, c);
-}
-
-static void stored_from_lab(const lcor_colour *colour, double c[3])
-{
-    lcor_xyz_from_lab(colour, c, c);
-    lcor_rgb_from_xyz(colour, c, c);
-    for (int i = 0; i < 3; i++)
-        c[i] = lcor_transfer_from_linear(colour, c[i]);
-}
-
 void lcor_lab_from_rgb_row_f64(const lcor_colour *colour, size_t n, const double *rgb, double *lab)
 {
-    for (size_t i = 0; i < n; i++) {
-        double c[3] = {rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]};
-
-        lab_from_stored(colour, c);
-        memcpy(lab + 3 * i, c, sizeof c);
-    }
-}
-
-void lcor_lab_from_rgb_row_f32(const lcor_colour *colour, size_t n, const float *rgb, float *lab)
-{
-    for (size_t i = 0; i < n; i++) {
-        double c[3] = {(double)rgb[3 * i], (double)rgb[3 * i + 1], (double)rgb[3 * i + 2]};
-
-        lab_from_stored(colour, c);
-        for (int j = 0; j < 3; j++)
-            lab[3 * i + (size_t)j] = (float)c[j];
+    for (size_t i = 0; i < n; i++, rgb += 3, lab += 3) {
+        for (int k = 0; k < 3; k++)
+            lab[k] = lcor_transfer_to_linear(colour, rgb[k]);
+        lcor_xyz_from_rgb(colour, lab, lab);
+        lcor_lab_from_xyz(colour, lab, lab);
     }
 }
 
 void lcor_rgb_from_lab_row_f64(const lcor_colour *colour, size_t n, const double *lab, double *rgb)
 {
-    for (size_t i = 0; i < n; i++) {
-        double c[3] = {lab[3 * i], lab[3 * i + 1], lab[3 * i + 2]};
-
-        stored_from_lab(colour, c);
-        memcpy(rgb + 3 * i, c, sizeof c);
+    for (size_t i = 0; i < n; i++, lab += 3, rgb += 3) {
+        lcor_xyz_from_lab(colour, lab, rgb);
+        lcor_rgb_from_xyz(colour, rgb, rgb);
+        for (int k = 0; k < 3; k++)
+            rgb[k] = lcor_transfer_from_linear(colour, rgb[k]);
     }
+}
+
+typedef void row_f64(const lcor_colour *colour, size_t n, const double *in, double *out);
+
+static void row_in_double(row_f64 *row, const lcor_colour *colour, size_t n, const float *in,
+                          float *out)
+{
+    for (size_t i = 0; i < n; i++, in += 3, out += 3) {
+        double c[3] = {(double)in[0], (double)in[1], (double)in[2]};
+
+        row(colour, 1, c, c);
+        for (int k = 0; k < 3; k++)
+            out[k] = (float)c[k];
+    }
+}
+
+void lcor_lab_from_rgb_row_f32(const lcor_colour *colour, size_t n, const float *rgb, float *lab)
+{
+    row_in_double(lcor_lab_from_rgb_row_f64, colour, n, rgb, lab);
 }
 
 void lcor_rgb_from_lab_row_f32(const lcor_colour *colour, size_t n, const float *lab, float *rgb)
 {
-    for (size_t i = 0; i < n; i++) {
-        double c[3] = {(double)lab[3 * i], (double)lab[3 * i + 1], (double)lab[3 * i + 2]};
-
-        stored_from_lab(colour, c);
-        for (int j = 0; j < 3; j++)
-            rgb[3 * i + (size_t)j] = (float)c[j];
-    }
+    row_in_double(lcor_rgb_from_lab_row_f64, colour, n, lab, rgb);
 }
 
 double lcor_hue(const double lab[3])

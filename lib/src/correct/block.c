@@ -1,41 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Steps of the float path that no instruction set makes faster: odd layouts, tables, odd numbers. */
+/* Steps of the float path that no instruction set makes faster: odd layouts, tables, odd numbers.
+ */
 #include "correct/internal.h"
 #include "correct/sample.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
-
-static void prefetch(const void *base, size_t from, size_t bytes, int write)
-{
-#if defined(__GNUC__)
-    const char *p = (const char *)base + from;
-
-    for (size_t i = 0; i < bytes; i += 64)
-        if (write)
-            __builtin_prefetch(p + i, 1);
-        else
-            __builtin_prefetch(p + i, 0);
-#else
-    (void)base, (void)from, (void)bytes, (void)write;
-#endif
-}
-
-/* The processor's own prefetcher loses the thread between two blocks. */
-void lcor_internal_prefetch(const lcor_row_job *job, size_t at)
-{
-    const lcor_plan *p = job->plan;
-    const size_t     in = lcor_internal_sample_size(p->in_type);
-    const size_t     out = lcor_internal_sample_size(p->out_type);
-
-    if (at + LCOR_BLOCK > job->n)
-        return;
-    if (job->f == NULL && p->in.channel_step == 1)
-        prefetch(job->texels, at * p->in.pixel_step * in, LCOR_BLOCK * p->in.pixel_step * in, 0);
-    if (p->out.channel_step == 1)
-        prefetch(job->out, at * p->out.pixel_step * out, LCOR_BLOCK * p->out.pixel_step * out, 1);
-}
 
 void lcor_internal_load_strided(const lcor_row_job *job, size_t at, size_t m, lcor_block *b)
 {
@@ -61,10 +32,7 @@ void lcor_internal_load_strided(const lcor_row_job *job, size_t at, size_t m, lc
     }
 }
 
-static int valid(double x)
-{
-    return x >= 0.0 && x <= DBL_MAX;
-}
+static int valid(double x) { return x >= 0.0 && x <= DBL_MAX; }
 
 void lcor_internal_load_maps(const lcor_row_job *job, size_t at, size_t m, lcor_block *b)
 {
@@ -74,10 +42,9 @@ void lcor_internal_load_maps(const lcor_row_job *job, size_t at, size_t m, lcor_
     memset(b->fn, 0, sizeof b->fn);
     for (size_t j = 0; j < m; j++) {
         const double i = lcor_internal_load_sample(job->illuminance, p->map_type, at + j);
-        const double rho = job->rho != NULL
-                               ? lcor_internal_load_sample(job->rho, p->map_type, at + j)
-                               : p->rho;
-        double       t, v;
+        const double rho =
+            job->rho != NULL ? lcor_internal_load_sample(job->rho, p->map_type, at + j) : p->rho;
+        double t, v;
 
         if (!valid(i) || !valid(rho)) {
             b->c[0][j] = NAN; /* found by the check of the planes */
@@ -99,13 +66,13 @@ void lcor_internal_load_maps(const lcor_row_job *job, size_t at, size_t m, lcor_
 size_t lcor_internal_replace_bad(const lcor_row_job *job, size_t at, size_t m, lcor_block *b)
 {
     const lcor_plan *p = job->plan;
-    const float      huge = job->f != NULL ? 2097152.0f : 18446744073709551616.0f;
-    size_t           bad = 0;
+    const float huge = job->f != NULL ? 2097152.0f : 18446744073709551616.0f;
+    size_t bad = 0;
 
     for (size_t j = 0; j < m; j++) {
-        int good = valid(lcor_internal_load_sample(job->illuminance, p->map_type, at + j)) &&
-                   (job->rho == NULL ||
-                    valid(lcor_internal_load_sample(job->rho, p->map_type, at + j)));
+        int good =
+            valid(lcor_internal_load_sample(job->illuminance, p->map_type, at + j)) &&
+            (job->rho == NULL || valid(lcor_internal_load_sample(job->rho, p->map_type, at + j)));
 
         for (size_t k = 0; k < 3; k++)
             good = good && b->c[k][j] >= 0.0f && b->c[k][j] <= FLT_MAX;
@@ -124,17 +91,28 @@ size_t lcor_internal_replace_bad(const lcor_row_job *job, size_t at, size_t m, l
     return bad;
 }
 
-void lcor_internal_apply_tone(const lcor_plan *plan, float *values)
+static void apply_tone(const lcor_plan *plan, float *values)
 {
     const float last = (float)(plan->tone_size - 1);
 
     for (size_t j = 0; j < LCOR_BLOCK; j++) {
-        const float  x = fminf(fmaxf(values[j], 0.0f), 1.0f) * last;
+        const float x = fminf(fmaxf(values[j], 0.0f), 1.0f) * last;
         const size_t i = x < last ? (size_t)x : plan->tone_size - 2;
-        const float  s = x - (float)i;
+        const float s = x - (float)i;
 
         values[j] = plan->tone[i] * (1.0f - s) + plan->tone[i + 1] * s;
     }
+}
+
+void lcor_internal_to_device(const lcor_plan *plan, float *r, float *g, float *b)
+{
+    float *planes[3] = {r, g, b};
+
+    for (int i = 0; i < 3; i++)
+        if (plan->tone != NULL)
+            apply_tone(plan, planes[i]);
+        else if (plan->colour.transfer != LCOR_TRANSFER_LINEAR)
+            plan->kernel->transfer(&plan->k.encode, planes[i]);
 }
 
 static void store(const lcor_plan *p, void *out, size_t i, float x)
@@ -161,10 +139,4 @@ void lcor_internal_store_strided(const lcor_row_job *job, size_t at, size_t m, c
         store(job->plan, job->out, i + l.channel_step, g[j]);
         store(job->plan, job->out, i + 2 * l.channel_step, b[j]);
     }
-}
-
-void lcor_internal_store_scattered(const lcor_row_job *job, const lcor_outside *q)
-{
-    for (size_t j = 0; j < q->count; j++)
-        lcor_internal_store_strided(job, q->at[j], 1, q->kx + j, q->kz + j, q->fn + j);
 }

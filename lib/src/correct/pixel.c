@@ -41,20 +41,34 @@ static double excess(const double rgb[3])
     return fmax(fmax(fmax(rgb[0], rgb[1]), rgb[2]) - 1.0, -fmin(fmin(rgb[0], rgb[1]), rgb[2]));
 }
 
-/* Rule S9: the largest s in 0..1 that fits; s = 0 is grey and always does. */
+/* Rule S9: the largest s in 0..1 that fits, by regula falsi (Illinois) from s = 0, which is grey
+ * and always fits, and s = 1, which does not. */
 static void fit_gamut(const lcor_plan *p, double y_new, double fn, double kx, double kz,
                       double rgb[3])
 {
-    double lo = 0.0, hi = 1.0;
+    const double grey[3] = {y_new, y_new, y_new};
+    double lo = 0.0, hi = 1.0, g_lo = excess(grey), g_hi = excess(rgb);
+    int side = 0;
 
-    for (int i = 0; i < 54; i++) {
-        const double s = 0.5 * (lo + hi);
+    for (int i = 0; i < 64 && g_lo < 0.0 && hi - lo > 1e-16; i++) {
+        const double s = lo - (hi - lo) * (g_lo / (g_hi - g_lo));
+        double e;
 
+        if (!(s > lo && s < hi))
+            break;
         rgb_at(p, y_new, fn, kx, kz, s, rgb);
-        if (excess(rgb) > 0.0)
+        e = excess(rgb);
+        if (e > 0.0) {
+            g_lo *= side > 0 ? 0.5 : 1.0; /* an end that stays twice counts half */
             hi = s;
-        else
+            g_hi = e;
+            side = 1;
+        } else {
+            g_hi *= side < 0 ? 0.5 : 1.0;
             lo = s;
+            g_lo = e;
+            side = -1;
+        }
     }
     rgb_at(p, y_new, fn, kx, kz, lo, rgb);
 }
@@ -67,44 +81,74 @@ static unsigned bad_pixel(double out[3])
     return LCOR_PIXEL_BAD;
 }
 
-unsigned lcor_internal_correct_pixel(const lcor_plan *p, const double rgb[3], double illuminance,
-                                     double rho, double out[3])
+/* The correction proper, from f and y of the texel. */
+static unsigned correct_f(const lcor_plan *p, const double f[3], double y, double illuminance,
+                          double rho, double out[3])
 {
     /* RGB a rounding error outside the cube is not worth a change of chroma */
     const double slack = 1e-14;
-    const lcor_lightness kind = p->colour.lightness;
-    unsigned flags = 0;
-    double xyz[3], y, r, q, t, y_new, fx, fy, fz, fn, k;
+    const double y_real = y * p->rho_ratio; /* section 5.2 */
+    const double r = illuminance * (p->reading == LCOR_READING_TEXEL ? y_real : rho); /* 3.1 */
+    const double q = p->r_mean > 0.0 ? r / p->r_mean : 0.0;
+    double t = lcor_internal_display(q, p->exponent, p->gain);
+    unsigned flags = (t < 0.0 ? LCOR_PIXEL_LOW : 0u) | (t > 1.0 ? LCOR_PIXEL_HIGH : 0u);
+    double y_new, fn, k, kx, kz;
 
-    if (!valid(rgb[0]) || !valid(rgb[1]) || !valid(rgb[2]) || !valid(illuminance) || !valid(rho))
-        return bad_pixel(out);
-    lcor_internal_mat3_apply(p->f_from_rgb, rgb, xyz);      /* eq 1 over the white of eqs 2-4 */
-    if (!valid(xyz[0]) || !valid(xyz[1]) || !valid(xyz[2])) /* overflow, or odd custom primaries */
-        return bad_pixel(out);
-
-    y = xyz[1] * p->rho_ratio;                                      /* section 5.2 */
-    r = illuminance * (p->reading == LCOR_READING_TEXEL ? y : rho); /* section 3.1 */
-    q = p->r_mean > 0.0 ? r / p->r_mean : 0.0;
-    t = lcor_internal_display(q, p->exponent, p->gain);
-    flags |= t < 0.0 ? LCOR_PIXEL_LOW : 0u;
-    flags |= t > 1.0 ? LCOR_PIXEL_HIGH : 0u;
     t = fmin(fmax(t, 0.0), DBL_MAX); /* rules S1, S4 */
-    if (p->reading == LCOR_READING_PATCH)
-        t *= rho > 0.0 ? y / rho : 1.0; /* eq 11; rule S2 */
-    y_new = fmin(t, 1.0);               /* rule S7 */
+    if (p->reading == LCOR_READING_PATCH && t > 0.0)
+        t *= rho > 0.0 ? y_real / rho : 1.0; /* eq 11; rule S2 */
+    y_new = fmin(t, 1.0);                    /* rule S7 */
 
-    fx = lcor_internal_f(kind, xyz[0]);
-    fy = lcor_internal_f(kind, xyz[1]);
-    fz = lcor_internal_f(kind, xyz[2]);
-    fn = lcor_internal_f(kind, y_new); /* eq 13b */
-    k = lcor_internal_chroma_factor(xyz[1], y_new);
-    rgb_at(p, y_new, fn, k * (fx - fy), k * (fz - fy), 1.0, out); /* eqs 14, 15 */
+    if (y_new == 1.0) { /* white, whatever the rounding of the matrices */
+        out[0] = out[1] = out[2] = 1.0;
+        return flags;
+    }
+
+    fn = lcor_internal_f(p->colour.lightness, y_new); /* eq 13b */
+    k = lcor_internal_chroma_factor(y, y_new);
+    kx = k * (f[0] - f[1]); /* eq 14 */
+    kz = k * (f[2] - f[1]); /* eq 15 */
+    rgb_at(p, y_new, fn, kx, kz, 1.0, out);
     if (excess(out) > slack) {
         flags |= LCOR_PIXEL_OUTSIDE;
         if (p->gamut == LCOR_GAMUT_KEEP_HUE)
-            fit_gamut(p, y_new, fn, k * (fx - fy), k * (fz - fy), out);
+            fit_gamut(p, y_new, fn, kx, kz, out);
     }
     for (int i = 0; i < 3; i++)
         out[i] = fmin(fmax(out[i], 0.0), 1.0);
     return flags;
+}
+
+int lcor_internal_texel_f(const lcor_plan *p, const double rgb[3], double f[3], double *y)
+{
+    double xyz[3];
+
+    if (!valid(rgb[0]) || !valid(rgb[1]) || !valid(rgb[2]))
+        return 0;
+    lcor_internal_mat3_apply(p->f_from_rgb, rgb, xyz); /* eq 1 over the white of eqs 2-4 */
+    if (!isfinite(xyz[0]) || !isfinite(xyz[1]) || !isfinite(xyz[2]))
+        return 0;
+    for (int i = 0; i < 3; i++)
+        f[i] = lcor_internal_f(p->colour.lightness, xyz[i]);
+    *y = fmax(xyz[1], 0.0);
+    return 1;
+}
+
+unsigned lcor_internal_correct_pixel(const lcor_plan *p, const double rgb[3], double illuminance,
+                                     double rho, double out[3])
+{
+    double f[3], y;
+
+    if (!valid(illuminance) || !valid(rho) || !lcor_internal_texel_f(p, rgb, f, &y))
+        return bad_pixel(out);
+    return correct_f(p, f, y, illuminance, rho, out);
+}
+
+unsigned lcor_internal_correct_texel_f(const lcor_plan *p, const double f[3], double illuminance,
+                                       double rho, double out[3])
+{
+    if (!valid(illuminance) || !valid(rho) || !isfinite(f[0]) || !isfinite(f[1]) || !isfinite(f[2]))
+        return bad_pixel(out);
+    return correct_f(p, f, fmax(lcor_internal_f_inverse(p->colour.lightness, f[1]), 0.0),
+                     illuminance, rho, out);
 }

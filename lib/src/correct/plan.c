@@ -109,17 +109,40 @@ static void round_matrix(const double from[9], float n[9])
     }
 }
 
-static int is_moderate(double x)
+static int is_moderate(double x) { return x == 0.0 || (x > 1e-25 && x < 1e25); }
+
+static void set_transfer(const lcor_colour *c, lcor_kernel_constants *k)
 {
-    return x == 0.0 || (x > 1e-25 && x < 1e25);
+    const float huge = 18446744073709551616.0f; /* 2^64 */
+    const float g = (float)c->gamma, over_g = (float)(1.0 / c->gamma);
+
+    if (c->transfer == LCOR_TRANSFER_SRGB) {
+        k->decode = (lcor_power){.top = huge,
+                                 .knee = 0.04045f,
+                                 .slope = 1.0f / 12.92f,
+                                 .in_scale = 1.0f / 1.055f,
+                                 .in_offset = 0.055f / 1.055f,
+                                 .exponent = 2.4f,
+                                 .scale = 1.0f};
+        k->encode = (lcor_power){.top = 1.0f,
+                                 .knee = 0.0031308f,
+                                 .slope = 12.92f,
+                                 .in_scale = 1.0f,
+                                 .exponent = 1.0f / 2.4f,
+                                 .scale = 1.055f,
+                                 .offset = -0.055f};
+    } else {
+        k->decode = (lcor_power){.top = huge, .in_scale = 1.0f, .exponent = g, .scale = 1.0f};
+        k->encode = (lcor_power){.top = 1.0f, .in_scale = 1.0f, .exponent = over_g, .scale = 1.0f};
+    }
 }
 
 /* Constants of the float path; p->kernel stays NULL where that path would lose accuracy. */
 static void prepare_kernel(lcor_plan *p)
 {
     lcor_kernel_constants *k = &p->k;
-    const double           slope = p->r_mean > 0.0 ? p->gain / p->r_mean : 0.0;
-    const int              steep = p->gain > 16.0; /* float T would be off by 1e-6 and more */
+    const double slope = p->r_mean > 0.0 ? p->gain / p->r_mean : 0.0;
+    const int steep = p->gain > 16.0; /* float T would be off by 1e-6 and more */
 
     if (p->colour.lightness != LCOR_LIGHTNESS_CIE || p->in_type == LCOR_F64 ||
         p->out_type == LCOR_F64 || p->colour.gamma < 0.1 || p->colour.gamma > 10.0 ||
@@ -136,8 +159,8 @@ static void prepare_kernel(lcor_plan *p)
     k->w = p->reading == LCOR_READING_TEXEL ? k->offset : 0.0f;
     k->ratio = (float)p->rho_ratio;
     k->over_rho = (float)(p->rho_ratio / p->rho);
-    k->gamma = (float)p->colour.gamma;
-    k->over_gamma = (float)(1.0 / p->colour.gamma);
+    set_transfer(&p->colour, k);
+    p->decode_by_power = p->colour.transfer != LCOR_TRANSFER_LINEAR && p->in_type != LCOR_U8;
     p->float_maps = p->map_type == LCOR_F32 && p->exponent == 1.0 && !steep && is_moderate(slope);
     if (p->float_maps) {
         k->slope = (float)slope;

@@ -25,13 +25,15 @@ static void load_linear(const lcor_plan *p, const void *texels, size_t i, double
 {
     for (size_t c = 0; c < 3; c++)
         rgb[c] = lcor_transfer_to_linear(
-            &p->colour, lcor_internal_load_sample(texels, p->in_type, i * p->in.pixel_step + c * p->in.channel_step));
+            &p->colour, lcor_internal_load_sample(texels, p->in_type,
+                                                  i * p->in.pixel_step + c * p->in.channel_step));
 }
 
 static void store_encoded(const lcor_plan *p, void *out, size_t i, const double rgb[3])
 {
     for (size_t c = 0; c < 3; c++)
-        lcor_internal_store_sample(out, p->out_type, i * p->out.pixel_step + c * p->out.channel_step, encode(p, rgb[c]));
+        lcor_internal_store_sample(
+            out, p->out_type, i * p->out.pixel_step + c * p->out.channel_step, encode(p, rgb[c]));
 }
 
 static double map_at(const lcor_plan *p, const void *map, size_t i, double otherwise)
@@ -75,13 +77,20 @@ static void correct_row_in_double(const lcor_row_job *job)
     const lcor_plan *p = job->plan;
 
     for (size_t i = 0; i < job->n; i++) {
-        double rgb[3];
+        const double light = map_at(p, job->illuminance, i, 0.0);
+        const double rho = map_at(p, job->rho, i, p->rho);
+        double c[3];
         unsigned flags;
 
-        load_linear(p, job->texels, i, rgb);
-        flags = lcor_internal_correct_pixel(p, rgb, map_at(p, job->illuminance, i, 0.0),
-                                            map_at(p, job->rho, i, p->rho), rgb);
-        store_encoded(p, job->out, i, rgb);
+        if (job->f != NULL) {
+            for (size_t k = 0; k < 3; k++)
+                c[k] = (double)job->f[k * job->plane + i];
+            flags = lcor_internal_correct_texel_f(p, c, light, rho, c);
+        } else {
+            load_linear(p, job->texels, i, c);
+            flags = lcor_internal_correct_pixel(p, c, light, rho, c);
+        }
+        store_encoded(p, job->out, i, c);
         if (job->stats != NULL && flags != 0)
             count(job->stats, job->row, i, flags);
     }
@@ -89,15 +98,43 @@ static void correct_row_in_double(const lcor_row_job *job)
         job->stats->pixels += job->n;
 }
 
+static void correct(const lcor_row_job *job)
+{
+    if (job->plan->kernel != NULL)
+        lcor_internal_correct_blocks(job);
+    else
+        correct_row_in_double(job);
+}
+
 void lcor_correct_row(const lcor_plan *plan, size_t row, size_t n, const void *texels,
                       const void *illuminance, const void *rho, void *out, lcor_row_stats *stats)
 {
-    const lcor_row_job job = { plan, row, n, texels, NULL, 0, illuminance, rho, out, stats };
+    const lcor_row_job job = {plan, row, n, texels, NULL, 0, illuminance, rho, out, stats};
 
-    if (plan->kernel != NULL)
-        plan->kernel->row(&job);
-    else
-        correct_row_in_double(&job);
+    correct(&job);
+}
+
+void lcor_correct_texture_row(const lcor_plan *plan, size_t row, size_t n, const float *f,
+                              size_t plane, const void *illuminance, const void *rho, void *out,
+                              lcor_row_stats *stats)
+{
+    const lcor_row_job job = {plan, row, n, NULL, f, plane, illuminance, rho, out, stats};
+
+    correct(&job);
+}
+
+void lcor_plan_texture_row(const lcor_plan *plan, size_t n, const void *texels, float *f,
+                           size_t plane)
+{
+    for (size_t i = 0; i < n; i++) {
+        double rgb[3], y, fxyz[3];
+
+        load_linear(plan, texels, i, rgb);
+        if (!lcor_internal_texel_f(plan, rgb, fxyz, &y))
+            fxyz[0] = fxyz[1] = fxyz[2] = (double)NAN;
+        for (size_t k = 0; k < 3; k++)
+            f[k * plane + i] = (float)fxyz[k];
+    }
 }
 
 void lcor_conventional_row(const lcor_plan *plan, size_t row, size_t n, const void *texels,
@@ -105,8 +142,7 @@ void lcor_conventional_row(const lcor_plan *plan, size_t row, size_t n, const vo
                            lcor_row_stats *stats)
 {
     for (size_t i = 0; i < n; i++) {
-        const double light =
-            map_at(plan, illuminance, i, 0.0) * map_at(plan, rho, i, plan->rho);
+        const double light = map_at(plan, illuminance, i, 0.0) * map_at(plan, rho, i, plan->rho);
         double rgb[3];
         unsigned flags = 0;
 

@@ -13,9 +13,9 @@ enum { LCOR_CLIP_MAX = 64 }; /* corners a clipped polygon may have */
 double lcor_factor_point(const double x[3], const double normal[3], size_t n,
                          const double *corners);
 
-/* The same for the parallelogram origin + [0, 1] u + [0, 1] v. */
-double lcor_factor_point_quad(const double x[3], const double normal[3], const double origin[3],
-                              const double u[3], const double v[3]);
+/* The same for n points of one plane and a quadrilateral wholly on its upper side, many at once. */
+void lcor_factor_points(size_t n, const double *x, const double *y, const double *z,
+                        const double normal[3], const double corners[4][3], double *factors);
 
 /* Cuts a convex polygon by the half-space (p - x) . normal >= 0; returns the corners left. `out`
  * has room for n + 1. */

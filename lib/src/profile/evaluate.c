@@ -215,12 +215,14 @@ lcor_status lcor_profile_evaluate(const lcor_profile *profile, lcor_profile_resu
 
 double lcor_profile_contrast(const lcor_profile *profile)
 {
-    lcor_profile_result result;
-    return lcor_profile_evaluate(profile, &result, NULL) == LCOR_OK ? result.contrast : 0.0;
+    lcor_profile_result result = {.contrast = 0.0};
+    (void)lcor_profile_evaluate(profile, &result, NULL);
+    return result.contrast;
 }
 
 double lcor_profile_contrast_u95(const lcor_profile *profile)
 {
-    lcor_profile_result result;
-    return lcor_profile_evaluate(profile, &result, NULL) == LCOR_OK ? result.contrast_u95 : 0.0;
+    lcor_profile_result result = {.contrast_u95 = 0.0};
+    (void)lcor_profile_evaluate(profile, &result, NULL);
+    return result.contrast_u95;
 }

@@ -145,7 +145,10 @@ size_t lcor_internal_number_format(double value, int wanted, char buffer[LCOR_NU
             const int i = power - place; /* which digit stands at 10^place */
             if (place == -1)
                 buffer[n++] = '.';
-            buffer[n++] = i < 0 || i >= count ? '0' : digits[i];
+            buffer[n] = '0';
+            if (i >= 0 && i < count)
+                buffer[n] = digits[i];
+            n++;
         }
     }
     buffer[n] = '\0';

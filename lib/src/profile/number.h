@@ -15,10 +15,10 @@
  * to a few units for more. `*decimals` (may be NULL): digits after the point less the exponent. */
 int lcor_internal_number_parse(const char *text, size_t n, double *value, int *decimals);
 
-/* The shortest text that stands for `value` (finite) rounded to that many significant digits, 1 to
+/* The shortest text that stands for `value` (finite) rounded to `wanted` significant digits, 1 to
  * LCOR_NUMBER_DIGITS. Parsing it and formatting that again gives the same text. Returns its length.
  */
-size_t lcor_internal_number_format(double value, int digits, char buffer[LCOR_NUMBER_SIZE]);
+size_t lcor_internal_number_format(double value, int wanted, char buffer[LCOR_NUMBER_SIZE]);
 
 /* What reading gives after writing `value` with LCOR_NUMBER_DIGITS. */
 double lcor_internal_number_round(double value);

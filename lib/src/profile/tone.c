@@ -51,8 +51,11 @@ static size_t collect(const lcor_profile *profile, knot *knots)
         const size_t middle = from + (to - from) / 2;
         const double upper = knots[middle].luminance;
         const double lower = (to - from) % 2 ? upper : knots[middle - 1].luminance;
-        knots[levels++] =
-            (knot){.level = knots[from].level, .luminance = 0.5 * (lower + upper), .weight = 1};
+        knots[levels++] = (knot){.level = knots[from].level,
+                                 .low = knots[from].level,
+                                 .high = knots[from].level,
+                                 .luminance = 0.5 * (lower + upper),
+                                 .weight = 1};
     }
     return levels;
 }

@@ -241,7 +241,7 @@ static const face *face_at(const links *l, size_t surface, int back, const doubl
     const size_t begin = l->first_face[2 * surface + (size_t)back];
     const size_t end = l->first_face[2 * surface + (size_t)back + 1];
     const face  *best = NULL;
-    double       least = INFINITY;
+    double       least = HUGE_VAL;
 
     for (size_t i = begin; i < end; i++) {
         const face *f = (const face *)l->faces.items + i;

@@ -177,7 +177,17 @@ int face_set(face *f, const double origin[3], const double u[3], const double v[
         f->dual_u[k] = (vv * u[k] - uv * v[k]) / det;
         f->dual_v[k] = (uu * v[k] - uv * u[k]) / det;
     }
-    return det > 0 && f->jacobian > 0;
+    if (!(det > 0 && f->jacobian > 0))
+        return 0;
+    vec_copy(u, f->along[0]);
+    vec_copy(v, f->along[1]);
+    for (int i = 0; i < 2; i++) {
+        f->length[i] = vec_normalize(f->along[i]);
+        vec_cross(cross, f->along[i], f->across[i]);
+        (void)vec_normalize(f->across[i]);
+    }
+    f->cosine = vec_dot(f->along[0], f->along[1]);
+    return 1;
 }
 
 /* Appends the face with corner a and edges to b and c: a triangle, or the parallelogram. */
@@ -275,8 +285,9 @@ static double finest_of(const scene_surface *s)
     const double nu = (double)(s->look.patches[0] ? s->look.patches[0] : 1);
     const double nv = (double)(s->look.patches[1] ? s->look.patches[1] : 1);
 
-    /* At a corner of a room irradiance has no limit, so splitting must end somewhere. */
-    return fmin(fmin(u / nu, v / nv), grid_floor * fmin(u, v));
+    /* At a corner of a room irradiance has no limit, so splitting must end somewhere: at leaves of
+     * two to four patches, with a node or two a patch. */
+    return 4 * fmin(fmin(u / nu, v / nv), grid_floor * fmin(u, v));
 }
 
 static int build_surface(const lcor_scene *scene, const lcor_allocator *allocator, size_t index,

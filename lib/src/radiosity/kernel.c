@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { CHUNK = 16 };
+enum { CHUNK = 16, BATCH = 64 };
 
 /* Relative accuracy of the light an element gets: its moments are exact sources. */
 static const double light_accuracy = 1e-6;
@@ -26,16 +26,21 @@ static void fill_link(const links *l, const links_link *link)
     const links_element *r = links_at(l, link->receiver), *s = links_at(l, link->sender);
     const face          *fr = links_face_of(l, r), *fs = links_face_of(l, s);
     links_block         *block = (links_block *)l->blocks.items + link->block;
-    double               x[3];
-    transfer             t = {l->scene, x,    fr->normal, NULL, NULL, link->occluder_count,
-                              l->accuracy};
+    double               x[RULE_Q][3], factors[RULE_Q];
+    transfer             t = {l->scene, NULL, fr->normal, NULL,
+                              (const uint32_t *)l->occluders.items + link->first_occluder,
+                              link->occluder_count, l->accuracy, -1};
+    int                  known;
 
-    t.occluders = (const uint32_t *)l->occluders.items + link->first_occluder;
+    for (int i = 0; i < RULE_Q; i++)
+        face_point(fr, r->c.s0 + rule_x[i / RULE_P] * r->c.hs,
+                   r->c.t0 + rule_x[i % RULE_P] * r->c.ht, x[i]);
+    known = t.occluder_count == 0 && transfer_factors(&t, fr, RULE_Q, x, fs, &s->c, factors);
     for (int i = 0; i < RULE_Q; i++) {
         double weights[RULE_Q];
 
-        face_point(fr, r->c.s0 + rule_x[i / RULE_P] * r->c.hs,
-                   r->c.t0 + rule_x[i % RULE_P] * r->c.ht, x);
+        t.x = x[i];
+        t.exact = known ? factors[i] : -1;
         block->rest[i] = transfer_weights(&t, fs, &s->c, weights);
         for (int k = 0; k < RULE_Q; k++) {
             block->k[i][k] = (float)weights[k];
@@ -46,15 +51,16 @@ static void fill_link(const links *l, const links_link *link)
 
 typedef struct fill_job {
     const links *l;
-    size_t       first_new; /* blocks from here on are empty */
+    size_t       first_new;   /* blocks from here on are empty */
+    size_t       first_chunk; /* of this batch */
 } fill_job;
 
 static void fill_task(void *arg, size_t chunk)
 {
     const fill_job *job = arg;
-    const size_t    end = (chunk + 1) * CHUNK;
+    const size_t    begin = (job->first_chunk + chunk) * CHUNK;
 
-    for (size_t i = chunk * CHUNK; i < end && i < job->l->list.count; i++) {
+    for (size_t i = begin; i < begin + CHUNK && i < job->l->list.count; i++) {
         const links_link *link = (const links_link *)job->l->list.items + i;
 
         if (link->block >= job->first_new)
@@ -118,8 +124,8 @@ static void compact_blocks(links *l)
 
 int links_fill(links *l)
 {
-    fill_job job = {l, 0};
-    size_t   missing;
+    fill_job job = {l, 0, 0};
+    size_t   missing, chunks;
 
     if (!sort_links(l))
         return 0;
@@ -137,8 +143,14 @@ int links_fill(links *l)
         if (link->block == links_no_block)
             link->block = (uint32_t)l->blocks.count++;
     }
-    links_run(l, (l->list.count + CHUNK - 1) / CHUNK, fill_task, &job);
-    return 1;
+    chunks = (l->list.count + CHUNK - 1) / CHUNK;
+    for (; job.first_chunk < chunks && !l->cancelled; job.first_chunk += BATCH) {
+        const size_t left = chunks - job.first_chunk;
+
+        links_run(l, left < BATCH ? left : BATCH, fill_task, &job);
+        l->poll(l);
+    }
+    return !l->cancelled;
 }
 
 /* Radiosity that a leaf has before any interreflection: emission, and the reflected direct light
@@ -164,7 +176,7 @@ static void leaf_source(const links *l, size_t element)
     for (size_t i = 0; i < lights; i++) {
         const links_shadow *shadow = &l->shadows[e->face * lights + i];
         transfer            t = {l->scene, NULL, NULL, scene_light_at(l->scene, i), NULL,
-                                 shadow->count, light_accuracy};
+                                 shadow->count, light_accuracy, -1};
         double              flux;
 
         if (shadow->dark)

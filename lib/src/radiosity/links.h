@@ -47,7 +47,8 @@ typedef struct links_block {
     double rest[RULE_Q]; /* before the row is computed: the exact factor, or -1 if unknown */
 } links_block;
 
-typedef struct links {
+typedef struct links links;
+struct links {
     const lcor_scene   *scene;
     lcor_allocator      allocator;
     lcor_parallel       parallel;
@@ -64,14 +65,22 @@ typedef struct links {
     lcor_array          irradiance, radiosity, source; /* double[RULE_Q * channels] an element */
     lcor_array          krylov;
     size_t              leaf_count;
+    void (*poll)(links *l); /* called now and then: may set hurry or cancelled */
+    void               *poll_arg;
+    unsigned            polls;
+    int                 hurry;     /* a limit is reached: link what is left as it is */
+    int                 cancelled; /* the caller wants to stop */
     double              eps;      /* error a link may make, relative to its receiver */
     double              accuracy; /* of near-field weights, a form factor */
+    double              share_power; /* a receiver's errors count by its share of its face's area to
+                                        this power: 0.5 for the rms norm, 0 for the largest */
+    double              finest;   /* elements may be split down to this times face.finest */
     double              ambient, floor; /* mean indirect irradiance; least E errors refer to */
+    int                 closed;        /* convex and without a hole: every hemisphere is full */
     double              contraction;   /* of one interreflection */
     double              energy_defect; /* of the power put in */
     int                 iterations;
-    uint64_t            peak_bytes;
-} links;
+};
 
 static inline links_element *links_at(const links *l, size_t i)
 {
@@ -88,7 +97,7 @@ static inline double *links_values(const links *l, const lcor_array *a, size_t e
     return (double *)a->items + element * (size_t)(RULE_Q * l->channels);
 }
 
-/* tree.c. Functions that return int return 0 when there is no memory. */
+/* tree.c. Functions that return int return 0 without memory or when cancelled. */
 int  links_init(links *l); /* faces and their root elements; the caller fills the head */
 void links_clear(links *l);
 int  links_relight(links *l); /* after lights or looks changed */

@@ -17,13 +17,11 @@ static const double gauss2[2] = {0.21132486540518711775, 0.78867513459481288225}
 typedef struct quad_job {
     const light_set     *set;
     const lcor_light    *light;
-    const scene_surface *s;
     face                 whole; /* the quad */
     uint32_t             surface;
     size_t               nu, nv, row0;
     double               accuracy;
     double              *out; /* of intensity 1, patch (row0, 0) first */
-    size_t               stride;
     double               power[3];
 } quad_job;
 
@@ -41,7 +39,7 @@ static double exact_average(const quad_job *j, size_t row, size_t column,
 {
     const cell     c = {(double)row / (double)j->nu, (double)column / (double)j->nv,
                         1 / (double)j->nu, 1 / (double)j->nv};
-    const transfer t = {j->set->scene, NULL, NULL, j->light, occluders, count, j->accuracy};
+    const transfer t = {j->set->scene, NULL, NULL, j->light, occluders, count, j->accuracy, -1};
     double         weights[RULE_Q];
 
     return transfer_weights(&t, &j->whole, &c, weights) / face_cell_area(&j->whole, &c);
@@ -165,9 +163,13 @@ static void light_block(const quad_job *j, size_t r0, size_t r1, size_t c0, size
 static void quad_averages(const light_set *set, const scene_surface *s, size_t surface,
                           size_t first, size_t count, double accuracy, double *out)
 {
-    quad_job j = {set, NULL, s, {{0}, {0}, {0}, {0}, {0}, {0}, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0},
-                  (uint32_t)surface, 0, 0, 0, accuracy, out, 0, {0}};
+    quad_job j;
 
+    memset(&j, 0, sizeof j);
+    j.set = set;
+    j.surface = (uint32_t)surface;
+    j.accuracy = accuracy;
+    j.out = out;
     j.nu = s->look.patches[0] ? s->look.patches[0] : 1;
     j.nv = s->look.patches[1] ? s->look.patches[1] : 1;
     j.row0 = first / j.nv;
@@ -206,7 +208,7 @@ static void triangle_average(const light_set *set, const scene_surface *s, size_
         const lcor_light *light = scene_light_at(set->scene, i);
         uint32_t          occluders[OCCLUDERS_MAX];
         double            weights[RULE_Q], value;
-        transfer          t = {set->scene, NULL, NULL, light, occluders, 0, accuracy};
+        transfer          t = {set->scene, NULL, NULL, light, occluders, 0, accuracy, -1};
         long              count = 0;
 
         if (!set->open[i])

@@ -1,255 +1,211 @@
 /* SPDX-License-Identifier: MIT */
-/* First solver: constant elements, final gather by exact factors, one channel or three. */
+/* The face of the solver: options, the tolerance loop, evaluation, report. */
 #include "base/internal.h"
-#include "geometry/factor.h"
-#include "geometry/vec.h"
-#include "radiosity/direct.h"
-
-#include <lcor/radiosity.h>
+#include "radiosity/evaluate.h"
+#include "radiosity/patch_light.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
-enum { CHANNELS_MAX = 3, CHUNK = 64 };
+enum { ROUNDS_MAX = 12, ITERATIONS_MAX = 50, POINTS = 64, ROWS_VALUES = 512 };
 
-static const double gauss3_x[3] = {0.1127016653792583, 0.5, 0.8872983346207417};
-static const double gauss3_w[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
+/* Every face is a candidate sender of every other one. */
+static const size_t faces_max = 2000;
 
-typedef struct element {
-    double   corners[12], centre[3], normal[3], probe[4][3], area;
-    double   rho[CHANNELS_MAX], emission[CHANNELS_MAX];
-    double   radiosity[CHANNELS_MAX];
-    size_t   corner_count;
-    uint32_t surface;
-} element;
+/* Parts of the tolerance: what one link may err (of a tolerance of 1 %, and less of a smaller one),
+ * what the near field and the solver may. */
+static const double link_share = 1, near_share = 0.3, solver_share = 0.01;
+
+/* What a round that missed may change at most and at least. */
+static const double tighten_most = 0.1, tighten_least = 0.6;
 
 struct lcor_solution {
-    lcor_allocator           allocator;
-    const lcor_scene        *scene;
-    lcor_radiosity_options   options;
-    lcor_radiosity_report    report;
-    element                 *elements;
-    size_t                   count;
-    unsigned char           *light_free;
+    lcor_allocator         allocator;
+    const lcor_scene      *scene;
+    lcor_radiosity_options options;
+    lcor_radiosity_report  report;
+    light_set              lights;
+    links                  links;
+    clock_t                start;
+    double                 done; /* last progress reported */
 };
 
-static void run(const lcor_parallel *p, size_t n, void (*task)(void *, size_t), void *arg)
-{
-    if (p->run)
-        p->run(p->user, n, task, arg);
-    else
-        for (size_t i = 0; i < n; i++)
-            task(arg, i);
-}
-
-void lcor_solution_direct_at(const lcor_solution *s, const double x[3], const double n[3],
-                             uint32_t skip, double *e)
-{
-    for (int c = 0; c < s->report.channels; c++)
-        e[c] = 0;
-    for (size_t i = 0; i < s->scene->lights.count; i++) {
-        const lcor_light *light = scene_light_at(s->scene, i);
-        const double      v = lcor_direct_unshadowed(light, x, n);
-
-        if (v <= 0 || (!s->light_free[i] && lcor_direct_shadowed(s->scene, light, x, skip, NULL)))
-            continue;
-        if (s->report.channels == 1)
-            e[0] += v * (light->intensity[0] * s->options.luminance[0] +
-                         light->intensity[1] * s->options.luminance[1] +
-                         light->intensity[2] * s->options.luminance[2]);
-        else
-            for (int c = 0; c < 3; c++)
-                e[c] += v * light->intensity[c];
-    }
-}
-
-static double factor_to(const lcor_solution *s, const double x[3], const double n[3],
-                        uint32_t skip, const element *e)
-{
-    double d[3], f;
-    int    open = 0;
-
-    vec_sub(x, e->centre, d);
-    if (vec_dot(d, e->normal) <= SCENE_TOUCH * s->scene->diameter)
-        return 0;
-    f = lcor_factor_point(x, n, e->corner_count, e->corners);
-    if (f <= 0 || s->scene->convex)
-        return f;
-    for (int k = 0; k < 4; k++)
-        open += !lcor_scene_blocked(s->scene, x, e->probe[k], skip, NULL);
-    return f * open / 4;
-}
-
-static void gather(const lcor_solution *s, const double x[3], const double n[3], uint32_t skip,
-                   double *e)
-{
-    for (int c = 0; c < s->report.channels; c++)
-        e[c] = 0;
-    for (size_t i = 0; i < s->count; i++) {
-        const double f = factor_to(s, x, n, skip, &s->elements[i]);
-
-        for (int c = 0; c < s->report.channels; c++)
-            e[c] += f * s->elements[i].radiosity[c];
-    }
-}
-
-static size_t steps(double length, double h)
-{
-    const double n = floor(length / h + 0.5);
-
-    return n < 1 ? 1 : n > 64 ? 64 : (size_t)n;
-}
-
-static void make_element(const lcor_solution *s, const scene_surface *f, size_t index,
-                         const scene_patch *p, int back, element *e)
-{
-    double cross[3], area = 0;
-
-    memset(e, 0, sizeof *e);
-    e->surface = (uint32_t)index;
-    e->corner_count = (size_t)p->corner_count;
-    for (int c = 0; c < p->corner_count; c++) {
-        const int d = c + 1 < p->corner_count ? c + 1 : 0;
-
-        vec_plane_point(f->origin, f->edge_u, f->edge_v, p->s[c], p->t[c], e->corners + 3 * c);
-        vec_add_scaled(e->centre, 1.0 / p->corner_count, e->corners + 3 * c, e->centre);
-        area += 0.5 * (p->s[c] * p->t[d] - p->s[d] * p->t[c]);
-    }
-    vec_cross(f->edge_u, f->edge_v, cross);
-    e->area = area * vec_length(cross);
-    for (int k = 0; k < 4; k++)
-        for (int j = 0; j < 3; j++)
-            e->probe[k][j] = 0.5 * e->centre[j] + 0.5 * e->corners[3 * (k % p->corner_count) + j];
-    for (int k = 0; k < 3; k++)
-        e->normal[k] = back ? -f->normal[k] : f->normal[k];
-    for (int c = 0; c < s->report.channels; c++)
-        if (s->report.channels == 1) {
-            for (int k = 0; k < 3; k++) {
-                e->rho[0] += f->look.reflectance[k] * s->options.luminance[k];
-                e->emission[0] += f->look.emission[k] * s->options.luminance[k];
-            }
-        } else {
-            e->rho[c] = f->look.reflectance[c];
-            e->emission[c] = f->look.emission[c];
-        }
-}
-
-static size_t elements(const lcor_solution *s, double h, element *out)
-{
-    size_t n = 0;
-
-    for (size_t i = 0; i < s->scene->surfaces.count; i++) {
-        const scene_surface *f = scene_surface_at(s->scene, i);
-        scene_surface        grid = *f;
-
-        grid.look.patches[0] = steps(vec_length(f->edge_u), h);
-        grid.look.patches[1] = steps(vec_length(f->edge_v), h);
-        for (int back = 0; back <= (f->look.two_sided != 0); back++)
-            for (size_t k = 0; k < lcor_scene_patches_of(&grid); k++, n++)
-                if (out) {
-                    scene_patch p;
-
-                    lcor_scene_patch(s->scene, &grid, k, &p);
-                    make_element(s, f, i, &p, back, &out[n]);
-                }
-    }
-    return n;
-}
-
-typedef struct matrix_job {
-    const lcor_solution *s;
-    float               *m;
-    double              *direct;
-} matrix_job;
-
-static void matrix_row(void *arg, size_t i)
-{
-    matrix_job    *job = arg;
-    const element *e = &job->s->elements[i];
-
-    for (size_t j = 0; j < job->s->count; j++)
-        job->m[i * job->s->count + j] =
-            (float)factor_to(job->s, e->centre, e->normal, e->surface, &job->s->elements[j]);
-    lcor_solution_direct_at(job->s, e->centre, e->normal, e->surface, job->direct + CHANNELS_MAX * i);
-}
-
-static lcor_status solve(lcor_solution *s, lcor_error *err)
-{
-    const size_t n = s->count;
-    matrix_job   job = {s, NULL, NULL};
-
-    job.m = lcor_internal_alloc(&s->allocator, n * n * sizeof *job.m);
-    job.direct = lcor_internal_alloc(&s->allocator, n * CHANNELS_MAX * sizeof *job.direct);
-    if (!job.m || !job.direct) {
-        lcor_internal_free(&s->allocator, job.m);
-        lcor_internal_free(&s->allocator, job.direct);
-        return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory for the form factors");
-    }
-    run(&s->options.parallel, n, matrix_row, &job);
-    for (size_t i = 0; i < n; i++)
-        for (int c = 0; c < s->report.channels; c++)
-            s->elements[i].radiosity[c] = s->elements[i].emission[c];
-    for (s->report.iterations = 1; s->report.iterations < 2000; s->report.iterations++) {
-        double change = 0, largest = 0;
-
-        for (size_t i = 0; i < n; i++)
-            for (int c = 0; c < s->report.channels; c++) {
-                double e = job.direct[CHANNELS_MAX * i + (size_t)c], b;
-
-                for (size_t j = 0; j < n; j++)
-                    e += (double)job.m[i * n + j] * s->elements[j].radiosity[c];
-                b = s->elements[i].emission[c] + s->elements[i].rho[c] * e;
-                change = fmax(change, fabs(b - s->elements[i].radiosity[c]));
-                largest = fmax(largest, b);
-                s->elements[i].radiosity[c] = b;
-            }
-        if (change <= 1e-6 * largest)
-            break;
-    }
-    lcor_internal_free(&s->allocator, job.m);
-    lcor_internal_free(&s->allocator, job.direct);
-    return LCOR_OK;
-}
+static double seconds_since(clock_t start) { return (double)(clock() - start) / CLOCKS_PER_SEC; }
 
 static int grey(const double v[3]) { return v[0] == v[1] && v[1] == v[2]; }
 
-static lcor_status prepare(lcor_solution *s, lcor_error *err)
+static int channels_needed(const lcor_scene *scene, int wanted)
 {
-    const lcor_scene *scene = s->scene;
-    double            area = 0;
-
-    s->report.channels = s->options.channels;
-    if (s->report.channels == 0) {
-        s->report.channels = 1;
-        for (size_t i = 0; i < scene->lights.count; i++)
-            if (!grey(scene_light_at(scene, i)->intensity))
-                s->report.channels = 3;
-        for (size_t i = 0; i < scene->surfaces.count; i++)
-            if (!grey(scene_surface_at(scene, i)->look.emission))
-                s->report.channels = 3;
-    }
-    s->light_free = lcor_internal_alloc(&s->allocator, scene->lights.count);
-    for (size_t i = 0; s->light_free && i < scene->lights.count; i++)
-        s->light_free[i] = scene->convex && scene_light_at(scene, i)->kind != LCOR_LIGHT_DIRECTIONAL &&
-                           lcor_scene_inside(scene, scene_light_at(scene, i)->position);
+    if (wanted != 0)
+        return wanted;
+    for (size_t i = 0; i < scene->lights.count; i++)
+        if (!grey(scene_light_at(scene, i)->intensity))
+            return 3;
     for (size_t i = 0; i < scene->surfaces.count; i++)
-        area += scene_surface_at(scene, i)->area;
-    s->count = elements(s, sqrt(area / 500), NULL);
-    s->elements = lcor_internal_alloc(&s->allocator, s->count * sizeof *s->elements);
-    if (!s->elements || !s->light_free)
-        return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory for the elements");
-    (void)elements(s, sqrt(area / 500), s->elements);
-    return solve(s, err);
+        if (!grey(scene_surface_at(scene, i)->look.emission))
+            return 3;
+    return 1;
 }
 
-static lcor_status check_options(const lcor_radiosity_options *o, lcor_error *err)
+static uint64_t bytes_held(const links *l)
 {
-    if (!(o->tolerance == 0 || (o->tolerance >= 1e-5 && o->tolerance <= 1)))
+    return l->faces.capacity * sizeof(face) + l->elements.capacity * sizeof(links_element) +
+           l->list.capacity * sizeof(links_link) + l->blocks.capacity * sizeof(links_block) +
+           (l->occluders.capacity + l->scratch.capacity) * sizeof(uint32_t) +
+           (l->irradiance.capacity + l->radiosity.capacity + l->source.capacity) *
+               sizeof(double) * RULE_Q * (size_t)l->channels +
+           l->krylov.capacity * sizeof(double);
+}
+
+static double wanted_error(const lcor_solution *s, const links_errors *e)
+{
+    return s->options.norm == LCOR_NORM_MAX ? e->max : e->rms;
+}
+
+static size_t sample_count(const lcor_solution *s)
+{
+    return s->options.tolerance >= 5e-3 && s->options.norm == LCOR_NORM_RMS ? 64 : 256;
+}
+
+static int over_limit(const lcor_solution *s)
+{
+    return (s->options.max_seconds > 0 && seconds_since(s->start) > s->options.max_seconds) ||
+           (s->options.max_bytes > 0 && bytes_held(&s->links) > s->options.max_bytes);
+}
+
+/* Reports progress, a little more each time as the end is not known; minds the limits. */
+static void poll(links *l)
+{
+    lcor_solution *s = (lcor_solution *)l->poll_arg;
+
+    s->done += 0.002 * (1 - s->done);
+    l->hurry |= over_limit(s) ||
+                (s->options.max_bytes > 0 &&
+                 bytes_held(l) + (l->list.count - l->blocks.count) * sizeof(links_block) >
+                     s->options.max_bytes);
+    l->cancelled |= s->options.progress.report &&
+                    s->options.progress.report(s->options.progress.user, s->done) != 0;
+}
+
+/* Refine, solve, measure; tighten until the estimate is within the tolerance. */
+static lcor_status run_rounds(lcor_solution *s, lcor_error *err)
+{
+    const double tolerance = s->options.tolerance;
+    links       *l = &s->links;
+
+    l->eps = link_share * tolerance * pow(tolerance / 0.01, 0.3);
+    l->accuracy = near_share * tolerance;
+    l->finest = 1;
+    l->hurry = l->cancelled = 0;
+    for (int round = 0; round < ROUNDS_MAX; round++) {
+        links_errors errors;
+
+        if (!links_refine(l) || !links_fill(l))
+            goto stopped;
+        links_set_source(l);
+        if (!links_solve(l, solver_share * tolerance, ITERATIONS_MAX) ||
+            !links_estimate(l, sample_count(s), &errors))
+            goto stopped;
+        s->report.error_rms = errors.rms;
+        s->report.error_max = errors.max;
+        s->report.energy_defect = l->energy_defect;
+        s->report.iterations = l->iterations;
+        s->report.links = l->list.count;
+        s->report.elements = l->elements.count;
+        if (bytes_held(l) > s->report.bytes)
+            s->report.bytes = bytes_held(l);
+        s->report.converged = wanted_error(s, &errors) <= tolerance;
+        if (s->report.converged || l->hurry)
+            break;
+        l->eps *= fmax(tighten_most, fmin(tighten_least, 0.7 * tolerance / wanted_error(s, &errors)));
+        l->finest *= 0.5;
+    }
+    s->report.seconds = seconds_since(s->start);
+    if (s->options.progress.report)
+        (void)s->options.progress.report(s->options.progress.user, 1);
+    return LCOR_OK;
+
+stopped:
+    if (l->cancelled)
+        return lcor_internal_fail(err, LCOR_ERR_CANCELLED, -1, "radiosity: cancelled");
+    return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "radiosity: no memory for the links");
+}
+
+static void describe(lcor_solution *s)
+{
+    const lcor_scene *scene = s->scene;
+    size_t            open = 0, partial = 0;
+
+    for (size_t i = 0; i < scene->lights.count; i++)
+        open += s->lights.open[i];
+    for (size_t i = 0; i < s->links.list.count; i++)
+        partial += ((const links_link *)s->links.list.items)[i].occluder_count > 0;
+    (void)snprintf(s->report.models, sizeof s->report.models,
+                   "links of order %d; %s; %lu of %lu links clipped; shadows of %lu of %lu lights; "
+                   "%d channel%s",
+                   RULE_P, scene->convex ? "convex, no visibility tests" : "exact visibility",
+                   (unsigned long)partial, (unsigned long)s->links.list.count,
+                   (unsigned long)(scene->lights.count - open), (unsigned long)scene->lights.count,
+                   s->report.channels, s->report.channels == 1 ? "" : "s");
+}
+
+static void open_lights(lcor_solution *s)
+{
+    for (size_t i = 0; i < s->scene->lights.count; i++)
+        s->lights.open[i] =
+            (unsigned char)light_is_open(s->scene, scene_light_at(s->scene, i));
+}
+
+static lcor_status prepare(lcor_solution *s, lcor_error *err)
+{
+    links *l = &s->links;
+
+    s->report.channels = channels_needed(s->scene, s->options.channels);
+    s->report.engine = LCOR_ENGINE_LINKS;
+    s->lights.scene = s->scene;
+    s->lights.channels = s->report.channels;
+    memcpy(s->lights.luminance, s->options.luminance, sizeof s->lights.luminance);
+    open_lights(s);
+    l->scene = s->scene;
+    l->allocator = s->allocator;
+    l->parallel = s->options.parallel;
+    l->share_power = s->options.norm == LCOR_NORM_RMS ? 0.5 : 0;
+    l->lights = &s->lights;
+    l->channels = s->report.channels;
+    l->poll = poll;
+    l->poll_arg = s;
+    if (!links_init(l))
+        return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "radiosity: no memory for elements");
+    if (l->faces.count > faces_max)
+        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1,
+                                  "radiosity: %lu faces are too many for engine links (%lu)",
+                                  (unsigned long)l->faces.count, (unsigned long)faces_max);
+    return LCOR_OK;
+}
+
+static lcor_status check_options(lcor_radiosity_options *o, lcor_error *err)
+{
+    static const double bt709[3] = {0.2126, 0.7152, 0.0722};
+    const double        sum = o->luminance[0] + o->luminance[1] + o->luminance[2];
+
+    if (o->tolerance == 0)
+        o->tolerance = 0.01;
+    if (!(o->tolerance >= 1e-5 && o->tolerance <= 1))
         return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1,
                                   "radiosity: tolerance must be 1e-5 .. 1");
     if (o->channels != 0 && o->channels != 1 && o->channels != 3)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "radiosity: channels must be 0, 1 or 3");
+    if (o->engine != LCOR_ENGINE_AUTO && o->engine != LCOR_ENGINE_LINKS)
+        return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "radiosity: there is no such engine");
+    if (o->norm != LCOR_NORM_RMS && o->norm != LCOR_NORM_MAX)
+        return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "radiosity: unknown norm");
+    if (!(sum >= 0) || !isfinite(sum) || !(o->max_seconds >= 0))
+        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1,
+                                  "radiosity: luminance weights and max_seconds must be >= 0");
+    for (int c = 0; c < 3; c++)
+        o->luminance[c] = sum > 0 ? o->luminance[c] / sum : bt709[c];
     return LCOR_OK;
 }
 
@@ -260,7 +216,6 @@ lcor_status lcor_radiosity_solve(const lcor_scene *scene, const lcor_radiosity_o
     lcor_allocator         own;
     lcor_solution         *s;
     lcor_status            status;
-    double                 sum;
 
     if (!scene || !out || (options && options->struct_size == 0))
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1,
@@ -276,136 +231,112 @@ lcor_status lcor_radiosity_solve(const lcor_scene *scene, const lcor_radiosity_o
         status = lcor_internal_allocator(&o.allocator, &own, err);
     if (status != LCOR_OK)
         return status;
-    sum = o.luminance[0] + o.luminance[1] + o.luminance[2];
-    if (sum == 0) {
-        o.luminance[0] = 0.2126;
-        o.luminance[1] = 0.7152;
-        o.luminance[2] = 0.0722;
-        sum = 1;
-    }
-    for (int c = 0; c < 3; c++)
-        o.luminance[c] /= sum;
     s = lcor_internal_alloc(&own, sizeof *s);
     if (!s)
         return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory for a solution");
     memset(s, 0, sizeof *s);
+    s->start = clock();
     s->allocator = own;
     s->scene = scene;
     s->options = o;
-    s->report.engine = LCOR_ENGINE_LINKS;
-    s->report.converged = 1;
-    s->report.error_rms = s->report.error_max = 0.01;
-    status = prepare(s, err);
+    s->lights.open = lcor_internal_alloc(&own, scene->lights.count);
+    status = s->lights.open ? prepare(s, err)
+                            : lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory for lights");
+    if (status == LCOR_OK)
+        status = run_rounds(s, err);
     if (status != LCOR_OK) {
         lcor_solution_free(s);
         return status;
     }
-    s->report.elements = s->count;
-    s->report.bytes = s->count * sizeof *s->elements;
-    (void)snprintf(s->report.models, sizeof s->report.models, "%s; %d channel%s",
-                   scene->convex ? "convex: no visibility tests" : "visibility by rays",
-                   s->report.channels, s->report.channels == 1 ? "" : "s");
+    describe(s);
     *out = s;
     return LCOR_OK;
 }
 
 lcor_status lcor_solution_update(lcor_solution *s, lcor_error *err)
 {
-    lcor_internal_free(&s->allocator, s->elements);
-    lcor_internal_free(&s->allocator, s->light_free);
-    s->elements = NULL;
-    s->light_free = NULL;
-    return prepare(s, err);
+    lcor_status status;
+
+    if (!s)
+        return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "update: solution is NULL");
+    s->start = clock();
+    s->done = 0;
+    open_lights(s);
+    if (channels_needed(s->scene, s->options.channels) != s->report.channels) {
+        links_clear(&s->links);
+        memset(&s->links, 0, sizeof s->links);
+        status = prepare(s, err);
+        if (status != LCOR_OK)
+            return status;
+    } else if (!links_relight(&s->links)) {
+        return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "update: no memory");
+    }
+    status = run_rounds(s, err);
+    describe(s);
+    return status;
 }
 
 void lcor_solution_free(lcor_solution *s)
 {
     if (!s)
         return;
-    lcor_internal_free(&s->allocator, s->elements);
-    lcor_internal_free(&s->allocator, s->light_free);
+    links_clear(&s->links);
+    lcor_internal_free(&s->allocator, s->lights.open);
     lcor_internal_free(&s->allocator, s);
 }
 
 const lcor_radiosity_report *lcor_solution_report(const lcor_solution *s) { return &s->report; }
 
+void lcor_solution_direct_at(const lcor_solution *s, const double x[3], const double normal[3],
+                             uint32_t skip, double *irradiance)
+{
+    light_at(&s->lights, x, normal, skip, irradiance);
+}
+
+/* Patches are evaluated a few rows at a time, `direct` first where both are wanted. */
 typedef struct patch_job {
     const lcor_solution *s;
-    const scene_surface *f;
-    size_t               surface, count;
+    size_t               surface, count, step;
     lcor_value           value;
     double              *total, *direct;
 } patch_job;
 
-static void direct_of_patch(const patch_job *job, const scene_patch *p, const double centre[3],
-                            double *e)
-{
-    const lcor_solution *s = job->s;
-    const int            last = p->corner_count - 1;
-    double               weight = 0;
-
-    if (job->value == LCOR_VALUE_CENTRE) {
-        lcor_solution_direct_at(s, centre, job->f->normal, (uint32_t)job->surface, e);
-        return;
-    }
-    for (int c = 0; c < s->report.channels; c++)
-        e[c] = 0;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            const double a = gauss3_x[i], b = gauss3_x[j] * (last == 2 ? 1 - a : 1);
-            const double w = gauss3_w[i] * gauss3_w[j] * (last == 2 ? 1 - a : 1);
-            double       x[3], d[CHANNELS_MAX];
-
-            vec_plane_point(job->f->origin, job->f->edge_u, job->f->edge_v,
-                            p->s[0] + a * (p->s[1] - p->s[0]) + b * (p->s[last] - p->s[0]),
-                            p->t[0] + a * (p->t[1] - p->t[0]) + b * (p->t[last] - p->t[0]), x);
-            lcor_solution_direct_at(s, x, job->f->normal, (uint32_t)job->surface, d);
-            weight += w;
-            for (int c = 0; c < s->report.channels; c++)
-                e[c] += w * d[c];
-        }
-    for (int c = 0; c < s->report.channels; c++)
-        e[c] /= weight;
-}
-
-static void patch_chunk(void *arg, size_t chunk)
+static void patch_task(void *arg, size_t chunk)
 {
     const patch_job *job = arg;
-    const size_t     channels = (size_t)job->s->report.channels;
+    const size_t     channels = (size_t)job->s->report.channels, first = chunk * job->step;
+    const size_t     n = job->count - first < job->step ? job->count - first : job->step;
+    const double     accuracy = 0.001 * job->s->options.tolerance;
+    double          *total = job->total ? job->total + channels * first : NULL;
+    double          *direct = job->direct ? job->direct + channels * first : total;
 
-    for (size_t i = chunk * CHUNK; i < job->count && i < (chunk + 1) * CHUNK; i++) {
-        scene_patch p;
-        double      a = 0, b = 0, x[3], direct[CHANNELS_MAX], indirect[CHANNELS_MAX];
-
-        lcor_scene_patch(job->s->scene, job->f, i, &p);
-        for (int c = 0; c < p.corner_count; c++) {
-            a += p.s[c] / p.corner_count;
-            b += p.t[c] / p.corner_count;
-        }
-        vec_plane_point(job->f->origin, job->f->edge_u, job->f->edge_v, a, b, x);
-        direct_of_patch(job, &p, x, direct);
-        if (job->total)
-            gather(job->s, x, job->f->normal, (uint32_t)job->surface, indirect);
-        for (size_t c = 0; c < channels; c++) {
-            if (job->direct)
-                job->direct[channels * i + c] = direct[c];
-            if (job->total)
-                job->total[channels * i + c] = direct[c] + indirect[c];
-        }
-    }
+    patch_light(&job->s->lights, job->surface, job->value, first, n, accuracy, direct);
+    if (!total)
+        return;
+    if (total != direct)
+        memcpy(total, direct, n * channels * sizeof *total);
+    links_patches(&job->s->links, job->surface, job->value, first, n, total);
 }
 
 lcor_status lcor_solution_patches(const lcor_solution *s, size_t surface, lcor_value value,
                                   double *total, double *direct, lcor_error *err)
 {
-    patch_job job = {s, NULL, surface, 0, value, total, direct};
+    patch_job            job = {s, surface, 0, ROWS_VALUES, value, total, direct};
+    const scene_surface *f;
 
-    if (surface >= s->scene->surfaces.count)
+    if (!s || surface >= s->scene->surfaces.count)
         return lcor_internal_fail(err, LCOR_ERR_ARG, (long)surface, "surface %lu: there is none",
                                   (unsigned long)surface);
-    job.f = scene_surface_at(s->scene, surface);
-    job.count = lcor_scene_patches_of(job.f);
-    run(&s->options.parallel, (job.count + CHUNK - 1) / CHUNK, patch_chunk, &job);
+    if (!total && !direct)
+        return LCOR_OK;
+    f = scene_surface_at(s->scene, surface);
+    job.count = lcor_scene_patches_of(f);
+    if (f->shape == SCENE_QUAD) { /* whole rows */
+        const size_t row = f->look.patches[1] ? f->look.patches[1] : 1;
+
+        job.step = row * ((ROWS_VALUES + row - 1) / row);
+    }
+    links_run(&s->links, (job.count + job.step - 1) / job.step, patch_task, &job);
     return LCOR_OK;
 }
 
@@ -416,17 +347,18 @@ typedef struct point_job {
     double              *total, *direct;
 } point_job;
 
-static void point_chunk(void *arg, size_t chunk)
+static void point_task(void *arg, size_t chunk)
 {
     const point_job *job = arg;
     const size_t     channels = (size_t)job->s->report.channels;
 
-    for (size_t i = chunk * CHUNK; i < job->n && i < (chunk + 1) * CHUNK; i++) {
-        double direct[CHANNELS_MAX], indirect[CHANNELS_MAX];
+    for (size_t i = chunk * POINTS; i < job->n && i < (chunk + 1) * POINTS; i++) {
+        const double *x = job->points + 3 * i, *normal = job->normals + 3 * i;
+        double        direct[3], indirect[3];
 
-        lcor_solution_direct_at(job->s, job->points + 3 * i, job->normals + 3 * i, LCOR_BVH_NONE, direct);
+        light_at(&job->s->lights, x, normal, LCOR_BVH_NONE, direct);
         if (job->total)
-            gather(job->s, job->points + 3 * i, job->normals + 3 * i, LCOR_BVH_NONE, indirect);
+            links_point(&job->s->links, x, normal, job->s->links.accuracy, indirect);
         for (size_t c = 0; c < channels; c++) {
             if (job->direct)
                 job->direct[channels * i + c] = direct[c];
@@ -441,8 +373,9 @@ lcor_status lcor_solution_at(const lcor_solution *s, size_t n, const double *poi
 {
     point_job job = {s, n, points, normals, total, direct};
 
-    if (n > 0 && (!points || !normals))
-        return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "at: points or normals are NULL");
-    run(&s->options.parallel, (n + CHUNK - 1) / CHUNK, point_chunk, &job);
+    if (!s || (n > 0 && (!points || !normals)))
+        return lcor_internal_fail(err, LCOR_ERR_ARG, -1,
+                                  "at: solution, points or normals are NULL");
+    links_run(&s->links, (n + POINTS - 1) / POINTS, point_task, &job);
     return LCOR_OK;
 }

@@ -11,7 +11,7 @@ static const double pi = 3.14159265358979323846;
 
 /* Where a link's form factor is compared with its interpolation over the receiver: the ends of
  * either axis, which tell along which one the receiver is too long, and two corners. */
-enum { TESTS = 6 };
+enum { TESTS = 6, POLL_EVERY = 64 };
 static const double test_s[TESTS] = {0.02, 0.98, 0.5, 0.5, 0.02, 0.98};
 static const double test_t[TESTS] = {0.5, 0.5, 0.02, 0.98, 0.02, 0.98};
 
@@ -80,23 +80,25 @@ static double measure(const links *l, const pair *p, double axis[2])
 {
     const links_element *r = links_at(l, p->receiver), *s = links_at(l, p->sender);
     const face          *fr = links_face_of(l, r), *fs = links_face_of(l, s);
-    double               x[3], value[RULE_Q], worst = 0;
-    transfer             t = {l->scene, x, fr->normal, NULL, NULL, p->count, l->accuracy};
+    const transfer       t = {l->scene, NULL, NULL, NULL,
+                              (const uint32_t *)l->occluders.items + p->first, p->count,
+                              l->accuracy, -1};
+    double               x[RULE_Q + TESTS][3], value[RULE_Q + TESTS], worst = 0;
 
-    t.occluders = (const uint32_t *)l->occluders.items + p->first;
-    for (int k = 0; k < RULE_Q; k++) {
+    for (int k = 0; k < RULE_Q; k++)
         face_point(fr, r->c.s0 + rule_x[k / RULE_P] * r->c.hs,
-                   r->c.t0 + rule_x[k % RULE_P] * r->c.ht, x);
-        value[k] = transfer_factor(&t, fs, &s->c);
-    }
+                   r->c.t0 + rule_x[k % RULE_P] * r->c.ht, x[k]);
+    for (int i = 0; i < TESTS; i++)
+        face_point(fr, r->c.s0 + test_s[i] * r->c.hs, r->c.t0 + test_t[i] * r->c.ht,
+                   x[RULE_Q + i]);
+    (void)transfer_factors(&t, fr, RULE_Q + TESTS, x, fs, &s->c, value);
     axis[0] = axis[1] = 0;
     for (int i = 0; i < TESTS; i++) {
         double at_s[RULE_P], at_t[RULE_P], defect;
 
-        face_point(fr, r->c.s0 + test_s[i] * r->c.hs, r->c.t0 + test_t[i] * r->c.ht, x);
         rule_values(test_s[i], at_s);
         rule_values(test_t[i], at_t);
-        defect = fabs(transfer_factor(&t, fs, &s->c) - rule_interpolate(value, at_s, at_t));
+        defect = fabs(value[RULE_Q + i] - rule_interpolate(value, at_s, at_t));
         worst = fmax(worst, defect);
         if (i < 4)
             axis[i / 2] = fmax(axis[i / 2], defect);
@@ -144,8 +146,11 @@ static verdict judge(const links *l, const pair *p, int *axis)
     vec_sub(r->centre, s->centre, d);
     distance = fmax(distance, 0.5 * (vec_length(d) - 0.5 * sqrt(r->area) - 0.5 * sqrt(s->area)));
     factor = s->area / (pi * distance * distance + s->area); /* at most, of a disc */
-    scale = 1 / fmax(r->e_min, l->floor);
-    receiver = factor * s->b_max * scale * pow(fmin(qr[0], qr[1]), -RULE_P);
+    scale = pow(r->area / links_at(l, (size_t)links_face_of(l, r)->root)->area, l->share_power) /
+            fmax(r->e_min, l->floor);
+    /* Behind an occluder's edge nothing is smooth, however far away. */
+    receiver = factor * s->b_max * scale *
+               (p->count > 0 ? 1 : pow(fmin(qr[0], qr[1]), -RULE_P));
     sender = factor * s->rough * scale * rough_share * pow(fmin(qs[0], qs[1]), -RULE_P);
     sender_axis = long_axis(l, s);
     if (!links_may_split(l, s, sender_axis))
@@ -182,7 +187,11 @@ static int refine(links *l, pair p, uint32_t block)
 
     if (passes <= 0)
         return passes == 0;
-    v = judge(l, &p, &axis);
+    if (l->polls++ % POLL_EVERY == 0)
+        l->poll(l);
+    if (l->cancelled)
+        return 0;
+    v = l->hurry ? ACCEPT : judge(l, &p, &axis);
     if (v == ACCEPT)
         return add_link(l, &p, block);
     for (int i = 0; i < 2; i++) {

@@ -39,10 +39,11 @@ void rule_push(int axis, int c, const double *whole, double *half)
         for (int a = 0; a < RULE_P; a++) {
             const double p = rule_half[c][g][a];
 
-            for (int b = 0; b < RULE_P; b++)
-                if (axis == 0)
+            if (axis == 0)
+                for (int b = 0; b < RULE_P; b++)
                     half[g * RULE_P + b] += p * whole[a * RULE_P + b];
-                else
+            else
+                for (int b = 0; b < RULE_P; b++)
                     half[b * RULE_P + g] += p * whole[b * RULE_P + a];
         }
 }
@@ -53,10 +54,11 @@ void rule_fold(int axis, int c, const double *half, double *whole)
         for (int a = 0; a < RULE_P; a++) {
             const double p = rule_half[c][g][a];
 
-            for (int b = 0; b < RULE_P; b++)
-                if (axis == 0)
+            if (axis == 0)
+                for (int b = 0; b < RULE_P; b++)
                     whole[a * RULE_P + b] += p * half[g * RULE_P + b];
-                else
+            else
+                for (int b = 0; b < RULE_P; b++)
                     whole[b * RULE_P + a] += p * half[b * RULE_P + g];
         }
 }

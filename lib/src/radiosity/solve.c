@@ -117,8 +117,8 @@ static void set_radiosity(links *l, const double *irradiance, int with_source)
     }
 }
 
-/* Irradiance of the leaves that their radiosity causes. */
-static void transport(links *l, double *out)
+/* Irradiance of the leaves that their radiosity causes, times `closure` where that is not NULL. */
+static void transport(links *l, const double *closure, double *out)
 {
     const size_t values = (size_t)(RULE_Q * l->channels);
 
@@ -133,6 +133,8 @@ static void transport(links *l, double *out)
             memcpy(out + (size_t)leaf * values, links_values(l, &l->irradiance, i),
                    values * sizeof(double));
     }
+    for (size_t i = 0; closure && i < l->leaf_count * values; i++)
+        out[i] *= closure[i];
 }
 
 /* Area-weighted inner product. */
@@ -225,7 +227,7 @@ static void set_bounds(links *l, size_t i)
 {
     links_element *e = links_at(l, i);
     const double  *b = links_values(l, &l->radiosity, i), *in = links_values(l, &l->irradiance, i);
-    double         least = INFINITY;
+    double         least = HUGE_VAL;
 
     e->rough = e->rough_direct;
     if (e->child >= 0) {
@@ -269,16 +271,11 @@ static void accept_solution(links *l, const double *x)
 
 /* Power that is sent towards surfaces but not received, of the power put in. What of a node's
  * hemisphere is open follows from the row sums: as receiver and, by reciprocity, as sender. */
-static double energy_defect(links *l, const double *x, double *seen)
+static double energy_defect(links *l, const double *x, const double *seen)
 {
     const size_t values = (size_t)(RULE_Q * l->channels);
     double       defect = 0, power = 0;
 
-    for (size_t i = 0; i < l->elements.count; i++)
-        if (links_at(l, i)->leaf >= 0)
-            for (size_t k = 0; k < values; k++)
-                links_values(l, &l->radiosity, i)[k] = 1;
-    transport(l, seen);
     for (size_t i = 0; i < l->elements.count; i++) {
         const links_element *e = links_at(l, i);
         double               area[RULE_Q];
@@ -290,13 +287,27 @@ static double energy_defect(links *l, const double *x, double *seen)
         power += e->power * l->channels;
         for (size_t k = 0; k < values; k++)
             defect += area[k % RULE_Q] * (links_values(l, &l->radiosity, i)[k] *
-                                              seen[(size_t)e->leaf * values + k] -
+                                              (l->closed ? 1 : seen[(size_t)e->leaf * values + k]) -
                                           x[(size_t)e->leaf * values + k]);
     }
     return power > 0 ? fabs(defect) / power : 0;
 }
 
-/* Columns of the work array: weight (a leaf each), then vectors of n: right side, x, basis. */
+/* How much of each node's hemisphere its links fill. */
+static void find_seen(links *l, double *seen)
+{
+    const size_t values = (size_t)(RULE_Q * l->channels);
+
+    for (size_t i = 0; i < l->elements.count; i++)
+        for (size_t k = 0; k < values && links_at(l, i)->leaf >= 0; k++)
+            links_values(l, &l->radiosity, i)[k] = 1;
+    transport(l, NULL, seen);
+}
+
+/* The work array: a weight a leaf, then vectors of n: what each node sees, or the closure that
+ * makes it exactly all of the hemisphere; the right side; the solution; the basis. */
+enum { SEEN, RIGHT, SOLUTION, BASIS };
+
 typedef struct work {
     links     *l;
     size_t     n;
@@ -321,7 +332,7 @@ static int need_vectors(work *w, int count)
 static int grow_vectors(work *w, int basis)
 {
     lcor_array *a = &w->l->krylov;
-    const size_t used = w->l->leaf_count + (size_t)(2 + basis - 8) * w->n;
+    const size_t used = w->l->leaf_count + (size_t)(BASIS + basis - 8) * w->n;
 
     a->count = used;
     return lcor_array_reserve(&w->l->allocator, a, 8 * w->n, sizeof(double)) != NULL;
@@ -335,14 +346,14 @@ static double length_of(const work *w, const double *v)
 /* One step of Arnoldi's method: basis vector k + 1. */
 static void arnoldi(work *w, int k)
 {
-    double *v = vector_of(w, 2 + k), *next = v + w->n, length;
+    double *v = vector_of(w, BASIS + k), *next = v + w->n, length;
 
     set_radiosity(w->l, v, 0);
-    transport(w->l, next);
+    transport(w->l, w->l->closed ? vector_of(w, SEEN) : NULL, next);
     for (size_t i = 0; i < w->n; i++)
         next[i] = v[i] - next[i];
     for (int j = 0; j <= k; j++) {
-        const double *u = vector_of(w, 2 + j);
+        const double *u = vector_of(w, BASIS + j);
 
         w->s.h[j][k] = product(w->l, weights_of(w), next, u);
         for (size_t i = 0; i < w->n; i++)
@@ -359,36 +370,43 @@ int links_solve(links *l, double tolerance, int max_iterations)
 {
     const int most = max_iterations < KRYLOV_MAX ? max_iterations : KRYLOV_MAX;
     work      w = {l, 0, {{{0}}, {0}, {0}, {0}}};
-    double    norm, beta = 0, *first;
+    double    norm, beta = 0, *first, *closure = NULL;
     int       k = 0, capacity = 8;
 
     number_leaves(l, NULL);
     w.n = l->leaf_count * (size_t)(RULE_Q * l->channels);
-    if (!need_vectors(&w, 2 + capacity))
+    if (!need_vectors(&w, BASIS + capacity))
         return 0;
     number_leaves(l, weights_of(&w));
+    find_seen(l, vector_of(&w, SEEN));
+    if (l->closed) {
+        closure = vector_of(&w, SEEN);
+        for (size_t i = 0; i < w.n; i++)
+            closure[i] = 1 / closure[i];
+    }
     set_radiosity(l, NULL, 1);
-    transport(l, vector_of(&w, 0));
-    memcpy(vector_of(&w, 1), vector_of(&w, 0), w.n * sizeof(double));
-    norm = length_of(&w, vector_of(&w, 0));
+    transport(l, closure, vector_of(&w, RIGHT));
+    memcpy(vector_of(&w, SOLUTION), vector_of(&w, RIGHT), w.n * sizeof(double));
+    norm = length_of(&w, vector_of(&w, RIGHT));
     if (norm > 0) { /* the residual of x = right side is one more reflection of it */
-        first = vector_of(&w, 2);
-        set_radiosity(l, vector_of(&w, 0), 0);
-        transport(l, first);
+        first = vector_of(&w, BASIS);
+        set_radiosity(l, vector_of(&w, RIGHT), 0);
+        transport(l, closure, first);
         beta = length_of(&w, first);
         for (size_t i = 0; beta > 0 && i < w.n; i++)
             first[i] /= beta;
     }
     l->contraction = norm > 0 ? beta / norm : 0;
+    tolerance *= 1 - fmin(l->contraction, 1 - 1e-6); /* what is left undone is reflected too */
     w.s.g[0] = beta;
     while (k < most && fabs(w.s.g[k]) > tolerance * norm) {
         if (k + 2 > capacity && !grow_vectors(&w, capacity += 8))
             return 0;
         arnoldi(&w, k++);
     }
-    combine(&w.s, k, w.n, vector_of(&w, 2), vector_of(&w, 1));
+    combine(&w.s, k, w.n, vector_of(&w, BASIS), vector_of(&w, SOLUTION));
     l->iterations = k;
-    l->energy_defect = energy_defect(l, vector_of(&w, 1), vector_of(&w, 2));
-    accept_solution(l, vector_of(&w, 1));
+    l->energy_defect = energy_defect(l, vector_of(&w, SOLUTION), vector_of(&w, SEEN));
+    accept_solution(l, vector_of(&w, SOLUTION));
     return 1;
 }

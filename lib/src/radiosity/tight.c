@@ -55,7 +55,7 @@ void links_gather(const links *l, const double x[3], const double normal[3], uin
     const cell   all = {0, 0, 1, 1};
     const size_t surfaces = l->scene->convex ? 0 : l->scene->surfaces.count;
     uint32_t     occluders[OCCLUDERS_MAX];
-    gatherer     g = {l, {l->scene, x, normal, NULL, occluders, 0, accuracy}, skip, 0, out};
+    gatherer     g = {l, {l->scene, x, normal, NULL, occluders, 0, accuracy, -1}, skip, 0, out};
     region       here, there;
 
     vec_copy(normal, here.normal);
@@ -152,8 +152,8 @@ static size_t place_samples(const links *l, size_t n, sample *samples)
 
 int links_estimate(links *l, size_t n, links_errors *out)
 {
-    estimate_job job = {l, NULL, 0, 0.1 * l->accuracy};
-    double       weight = 0, mean = 0, square = 0, amplify;
+    estimate_job job = {l, NULL, 0, 0.5 * l->accuracy};
+    double       weight = 0, mean = 0, square = 0, fourth = 0, spread, amplify;
 
     job.samples = lcor_internal_alloc(&l->allocator, n * sizeof *job.samples);
     if (!job.samples)
@@ -167,15 +167,17 @@ int links_estimate(links *l, size_t n, links_errors *out)
         weight += w;
         mean += w * d;
         square += w * d * d;
+        fourth += w * w * d * d * d * d;
         out->max = fmax(out->max, fabs(d));
     }
-    /* One gathering shows the defect; what of it survives averaging over the hemisphere comes back
-     * with every further reflection. */
     mean /= weight;
     square /= weight;
+    spread = sqrt(fmax(0, fourth / (weight * weight) - square * square / (double)job.count));
+    /* One gathering shows the defect; what of it survives averaging over the hemisphere comes back
+     * with every further reflection. Both by the upper end of what the sample leaves open. */
     amplify = l->contraction / fmax(1 - l->contraction, 1e-4);
     mean = fabs(mean) + sqrt(square / (double)(job.count + 1));
-    out->rms = sqrt(square + amplify * amplify * mean * mean);
+    out->rms = sqrt(square + spread + amplify * amplify * mean * mean);
     out->max += amplify * mean;
     lcor_internal_free(&l->allocator, job.samples);
     return 1;

@@ -13,75 +13,67 @@ enum { DEPTH_MAX = 64, CLIP_DEPTH_MAX = 24 };
 
 static const double inv_pi = 0.31830988618379067154;
 
-typedef struct shape {
-    double corners[4][3];
-    double centre[3], half_s[3], half_t[3]; /* half vectors of the middle lines */
-    double area;
-} shape;
-
-static void make_shape(const face *f, const cell *c, shape *s)
+/* q of lines of half length `length`, given where the cell's centre lies from x: `du` along them,
+ * `dv` across them in the plane, `dn` off the plane. The cell reaches `reach` to either side across,
+ * shifted by `shear` a unit. On the line nearest to x the distance vanishes at a complex point, foot
+ * +- i height in units of the half length. */
+static double line_ellipse(double length, double du, double dv, double dn, double reach,
+                           double shear, double *distance2)
 {
-    face_cell_corners(f, c, s->corners);
+    const double move = dv > reach ? -reach : dv < -reach ? reach : -dv;
+    const double re = fabs(du + move * shear) / length, across = dv + move;
+    const double height2 = across * across + dn * dn, im2 = height2 / (length * length);
+    const double a = 0.5 * (sqrt((re - 1) * (re - 1) + im2) + sqrt((re + 1) * (re + 1) + im2));
+    const double out = re > 1 ? (re - 1) * length : 0;
+
+    *distance2 = out * out + height2;
+    return a > 1 ? a + sqrt(a * a - 1) : 1;
+}
+
+static double parallelogram_ellipse(const face *f, const cell *c, const double d[3], double q[2])
+{
+    const double half[2] = {0.5 * c->hs * f->length[0], 0.5 * c->ht * f->length[1]};
+    const double sine = f->jacobian / (f->length[0] * f->length[1]), dn = vec_dot(d, f->normal);
+    double       distance2[2];
+
+    for (int i = 0; i < 2; i++) {
+        const double reach = half[1 - i] * sine, shear = (i == 0 ? 1 : -1) * f->cosine / sine;
+
+        q[i] = line_ellipse(half[i], vec_dot(d, f->along[i]), vec_dot(d, f->across[i]), dn, reach,
+                            shear, &distance2[i]);
+    }
+    return fmin(distance2[0], distance2[1]);
+}
+
+/* A trapezoid of a triangle: its middle lines stand for all lines. */
+static double trapezoid_ellipse(const face *f, const cell *c, const double d[3], double q[2])
+{
+    double corners[4][3], half[2][3], distance2[2];
+
+    face_cell_corners(f, c, corners);
     for (int k = 0; k < 3; k++) {
-        const double p = s->corners[0][k], q = s->corners[1][k], r = s->corners[2][k],
-                     o = s->corners[3][k];
-
-        s->centre[k] = 0.25 * (p + q + r + o);
-        s->half_s[k] = 0.25 * (q - p + r - o);
-        s->half_t[k] = 0.25 * (o - p + r - q);
+        half[0][k] = 0.25 * (corners[1][k] - corners[0][k] + corners[2][k] - corners[3][k]);
+        half[1][k] = 0.25 * (corners[3][k] - corners[0][k] + corners[2][k] - corners[1][k]);
     }
-    s->area = face_cell_area(f, c);
-}
+    for (int i = 0; i < 2; i++) {
+        double       along[3], across[3], h;
+        const double length = (vec_copy(half[i], along), vec_normalize(along));
 
-/* q for lines along g, given the offset d of the cell's centre from x: on the line nearest to x
- * the distance vanishes at a complex point, foot +- i height in units of the half length. */
-static double axis_ellipse(const double d[3], const double g[3], const double h[3],
-                           const double n[3], double *distance2)
-{
-    const double length = vec_length(g);
-    double       e[3], f[3], du, dv, dn, across, re, im, a, out;
-
-    if (!(length > 0)) {
-        *distance2 = vec_dot(d, d);
-        return 1e9;
+        vec_cross(f->normal, along, across);
+        h = vec_dot(half[1 - i], across);
+        q[i] = line_ellipse(length, vec_dot(d, along), vec_dot(d, across), vec_dot(d, f->normal),
+                            fabs(h), h != 0 ? vec_dot(half[1 - i], along) / h : 0, &distance2[i]);
     }
-    for (int k = 0; k < 3; k++)
-        e[k] = g[k] / length;
-    vec_cross(n, e, f);
-    du = vec_dot(d, e);
-    dv = vec_dot(d, f);
-    dn = vec_dot(d, n);
-    across = vec_dot(h, f);
-    if (across != 0) {
-        const double tau = fmax(-1, fmin(1, -dv / across));
-
-        du += tau * vec_dot(h, e);
-        dv += tau * across;
-    }
-    re = fabs(du) / length;
-    im = sqrt(dv * dv + dn * dn) / length;
-    a = 0.5 * (sqrt((re - 1) * (re - 1) + im * im) + sqrt((re + 1) * (re + 1) + im * im));
-    out = fmax(fabs(du) - length, 0);
-    *distance2 = out * out + dv * dv + dn * dn;
-    return a + sqrt(fmax(a * a - 1, 0));
-}
-
-static double ellipse(const double x[3], const double normal[3], const shape *s, double q[2])
-{
-    double d[3], along_s, along_t;
-
-    vec_sub(s->centre, x, d);
-    q[0] = axis_ellipse(d, s->half_s, s->half_t, normal, &along_s);
-    q[1] = axis_ellipse(d, s->half_t, s->half_s, normal, &along_t);
-    return fmin(along_s, along_t);
+    return fmin(distance2[0], distance2[1]);
 }
 
 double transfer_ellipse(const double x[3], const face *f, const cell *c, double q[2])
 {
-    shape s;
+    double centre[3], d[3];
 
-    make_shape(f, c, &s);
-    return ellipse(x, f->normal, &s, q);
+    face_point(f, c->s0 + 0.5 * c->hs, c->t0 + 0.5 * c->ht, centre);
+    vec_sub(centre, x, d);
+    return f->triangle ? trapezoid_ellipse(f, c, d, q) : parallelogram_ellipse(f, c, d, q);
 }
 
 static double power8(double x)
@@ -106,7 +98,7 @@ static double kernel(const transfer *t, const face *f, const double y[3])
 }
 
 /* Gauss quadrature of an unobstructed cell of a parallelogram for a receiver: the inner loop. */
-static void whole_parallelogram(const transfer *t, const face *f, const cell *c, double area,
+static void whole_parallelogram(const transfer *t, const face *f, const cell *c,
                                 double weights[RULE_Q])
 {
     double base[3], us[3], vs[3], cy, scale;
@@ -117,7 +109,7 @@ static void whole_parallelogram(const transfer *t, const face *f, const cell *c,
         vs[k] = c->ht * f->v[k];
     }
     cy = -vec_dot(base, f->normal);
-    scale = cy > 0 ? area * inv_pi * cy : 0;
+    scale = cy > 0 ? face_cell_area(f, c) * inv_pi * cy : 0;
     for (int a = 0; a < RULE_P; a++) {
         const double px = base[0] + rule_x[a] * us[0], py = base[1] + rule_x[a] * us[1],
                      pz = base[2] + rule_x[a] * us[2], w = scale * rule_w[a];
@@ -133,11 +125,10 @@ static void whole_parallelogram(const transfer *t, const face *f, const cell *c,
     }
 }
 
-static void whole(const transfer *t, const face *f, const cell *c, double area,
-                  double weights[RULE_Q])
+static void whole(const transfer *t, const face *f, const cell *c, double weights[RULE_Q])
 {
     if (!t->light && !f->triangle) {
-        whole_parallelogram(t, f, c, area, weights);
+        whole_parallelogram(t, f, c, weights);
         return;
     }
     for (int a = 0; a < RULE_P; a++) {
@@ -179,12 +170,12 @@ static void add_triangle(const transfer *t, const face *f, const cell *c, const 
 }
 
 /* What the eye sees of the cell. 1: *set holds it; 0: too many pieces. */
-static int visible_part(const transfer *t, const face *f, const shape *s, visible_set *set)
+static int visible_part(const transfer *t, const face *f, double (*corners)[3], visible_set *set)
 {
     const double touch = SCENE_TOUCH * t->scene->diameter;
     visible_eye  eye = {{0, 0, 0}, 0};
 
-    (void)visible_start(set, 4, s->corners[0]);
+    (void)visible_start(set, 4, corners[0]);
     if (t->light && t->light->kind == LCOR_LIGHT_DIRECTIONAL) {
         eye.parallel = 1;
         vec_add_scaled(eye.at, -1, t->light->direction, eye.at);
@@ -215,57 +206,57 @@ static double set_factor(const transfer *t, const visible_set *set)
 }
 
 /* Where the pieces are too many and the cell cannot be split any more: one ray decides. */
-static int centre_blocked(const transfer *t, const face *f, const shape *s)
+static int centre_blocked(const transfer *t, const face *f, const cell *c)
 {
-    return t->light ? lcor_direct_shadowed(t->scene, t->light, s->centre, f->surface, NULL)
-                    : lcor_scene_blocked(t->scene, s->centre, t->x, f->surface, NULL);
+    double x[3];
+
+    face_point(f, c->s0 + 0.5 * c->hs, c->t0 + 0.5 * c->ht, x);
+    return t->light ? lcor_direct_shadowed(t->scene, t->light, x, f->surface, NULL)
+                    : lcor_scene_blocked(t->scene, x, t->x, f->surface, NULL);
 }
 
-/* Weights of a cell on which the kernel is smooth. Returns -1 if it should be split after all,
- * else the exact factor to a receiver; 0 where nothing is clipped, which the caller knows. */
-static double smooth_cell(const transfer *t, const face *f, const cell *c, const shape *s,
-                          int clipped, int depth, double weights[RULE_Q])
+/* Weights of what is seen of a cell on which the kernel is smooth. Returns -1 if it should be split
+ * after all, else the exact factor to a receiver. */
+static double clipped_cell(const transfer *t, const face *f, const cell *c, int depth,
+                           double weights[RULE_Q])
 {
+    double      corners[4][3];
     visible_set set;
 
-    if (!clipped) {
-        whole(t, f, c, s->area, weights);
-        return 0;
-    }
-    if (!visible_part(t, f, s, &set)) {
+    face_cell_corners(f, c, corners);
+    if (!visible_part(t, f, corners, &set)) {
         if (depth < CLIP_DEPTH_MAX)
             return -1;
-        (void)visible_start(&set, centre_blocked(t, f, s) ? 0 : 4, s->corners[0]);
+        (void)visible_start(&set, centre_blocked(t, f, c) ? 0 : 4, corners[0]);
     }
     if (set.count == 1 && set.pieces[0].n == 4 &&
-        memcmp(set.pieces[0].p, s->corners, sizeof s->corners) == 0) {
-        whole(t, f, c, s->area, weights);
-        return t->light ? 0 : set_factor(t, &set);
+        memcmp(set.pieces[0].p, corners, sizeof corners) == 0) {
+        whole(t, f, c, weights);
+    } else {
+        memset(weights, 0, RULE_Q * sizeof *weights);
+        for (int i = 0; i < set.count; i++)
+            for (int j = 1; j + 1 < set.pieces[i].n; j++)
+                add_triangle(t, f, c, set.pieces[i].p[0], set.pieces[i].p[j],
+                             set.pieces[i].p[j + 1], weights);
     }
-    memset(weights, 0, RULE_Q * sizeof *weights);
-    for (int i = 0; i < set.count; i++)
-        for (int j = 1; j + 1 < set.pieces[i].n; j++)
-            add_triangle(t, f, c, set.pieces[i].p[0], set.pieces[i].p[j], set.pieces[i].p[j + 1],
-                         weights);
     return t->light ? 0 : set_factor(t, &set);
 }
 
 /* Error of the rule on this cell along each axis. */
-static void rule_error(const transfer *t, const face *f, const shape *s, double error[2])
+static void rule_error(const transfer *t, const face *f, const cell *c, double error[2])
 {
-    double q[2], d2, bound = 1;
+    double q[2], d[3], distance2, height, bound = 1;
 
     if (t->light && t->light->kind == LCOR_LIGHT_DIRECTIONAL) {
         error[0] = error[1] = 0;
         return;
     }
-    d2 = ellipse(t->light ? t->light->position : t->x, f->normal, s, q);
+    distance2 = transfer_ellipse(t->light ? t->light->position : t->x, f, c, q);
     if (!t->light) {
-        double d[3];
-
-        vec_sub(t->x, s->centre, d);
-        bound = fmin(1, s->area * fabs(vec_dot(d, f->normal)) * inv_pi /
-                            (d2 * sqrt(d2) + 1e-300));
+        vec_sub(t->x, f->origin, d);
+        height = vec_dot(d, f->normal);
+        bound = face_cell_area(f, c) * height * inv_pi / (distance2 * sqrt(distance2) + 1e-300);
+        bound = bound < 1 ? bound : 1;
     }
     error[0] = bound * power8(1 / q[0]);
     error[1] = bound * power8(1 / q[1]);
@@ -277,12 +268,16 @@ static double near_cell(const transfer *t, const face *f, const cell *c, int cli
                         double weights[RULE_Q])
 {
     double error[2], exact = -1;
-    shape  s;
 
-    make_shape(f, c, &s);
-    rule_error(t, f, &s, error);
-    if ((error[0] <= t->accuracy && error[1] <= t->accuracy) || depth >= DEPTH_MAX)
-        exact = smooth_cell(t, f, c, &s, clipped, depth, weights);
+    rule_error(t, f, c, error);
+    if ((error[0] <= t->accuracy && error[1] <= t->accuracy) || depth >= DEPTH_MAX) {
+        if (clipped) {
+            exact = clipped_cell(t, f, c, depth, weights);
+        } else {
+            whole(t, f, c, weights);
+            exact = 0;
+        }
+    }
     if (exact < 0) {
         const int axis = error[0] >= error[1] ? 0 : 1;
         double    part[RULE_Q];
@@ -336,7 +331,7 @@ double transfer_weights(const transfer *t, const face *f, const cell *c, double 
     }
     exact = near_cell(t, f, c, clipped, 0, weights);
     if (!t->light && !clipped)
-        exact = lcor_factor_point(t->x, t->normal, 4, corners[0]);
+        exact = t->exact >= 0 ? t->exact : lcor_factor_point(t->x, t->normal, 4, corners[0]);
     for (int k = 0; k < RULE_Q; k++)
         sum += weights[k];
     if (t->light)
@@ -350,16 +345,47 @@ double transfer_weights(const transfer *t, const face *f, const cell *c, double 
 double transfer_factor(const transfer *t, const face *f, const cell *c)
 {
     visible_set set;
-    shape       s;
-    int         side;
+    double      corners[4][3];
 
-    make_shape(f, c, &s);
-    side = horizon(t, f, s.corners);
-    if (side < 0)
+    face_cell_corners(f, c, corners);
+    if (horizon(t, f, corners) < 0)
         return 0;
     if (t->occluder_count == 0)
-        return lcor_factor_point(t->x, t->normal, 4, s.corners[0]);
-    if (!visible_part(t, f, &s, &set))
-        return centre_blocked(t, f, &s) ? 0 : lcor_factor_point(t->x, t->normal, 4, s.corners[0]);
+        return lcor_factor_point(t->x, t->normal, 4, corners[0]);
+    if (!visible_part(t, f, corners, &set))
+        return centre_blocked(t, f, c) ? 0 : lcor_factor_point(t->x, t->normal, 4, corners[0]);
     return set_factor(t, &set);
+}
+
+int transfer_factors(const transfer *t, const face *r, size_t n, double (*points)[3],
+                     const face *f, const cell *c, double *factors)
+{
+    double corners[4][3], x[3][TRANSFER_POINTS], d[3];
+    int    clipped = t->occluder_count > 0;
+
+    face_cell_corners(f, c, corners);
+    for (int i = 0; i < 4; i++) {
+        vec_sub(corners[i], r->origin, d);
+        clipped |= vec_dot(d, r->normal) < 0;
+    }
+    if (clipped) {
+        transfer at = *t;
+
+        at.normal = r->normal;
+        for (size_t i = 0; i < n; i++) {
+            at.x = points[i];
+            factors[i] = transfer_factor(&at, f, c);
+        }
+        return 0;
+    }
+    for (size_t i = 0; i < n; i++)
+        for (int k = 0; k < 3; k++)
+            x[k][i] = points[i][k];
+    lcor_factor_points(n, x[0], x[1], x[2], r->normal, (const double(*)[3])corners, factors);
+    for (size_t i = 0; i < n; i++) {
+        vec_sub(points[i], f->origin, d);
+        if (vec_dot(d, f->normal) <= 0)
+            factors[i] = 0;
+    }
+    return 1;
 }

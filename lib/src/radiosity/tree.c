@@ -3,6 +3,7 @@
 #include "base/internal.h"
 #include "geometry/vec.h"
 #include "radiosity/links.h"
+#include "radiosity/transfer.h"
 
 #include <math.h>
 #include <string.h>
@@ -39,7 +40,7 @@ static double brightness(const links *l, size_t f, const double x[3])
 static void look_at_light(const links *l, links_element *e)
 {
     const face *f = links_face_of(l, e);
-    double      value[RULE_Q], lowest = INFINITY, highest = 0, worst = 0;
+    double      value[RULE_Q], lowest = HUGE_VAL, highest = 0, worst = 0;
 
     for (int k = 0; k < RULE_Q; k++) {
         double x[3];
@@ -135,7 +136,7 @@ static double extent(const links *l, const links_element *e, int axis)
 
 int links_may_split(const links *l, const links_element *e, int axis)
 {
-    return extent(l, e, axis) > 1.5 * links_face_of(l, e)->finest;
+    return extent(l, e, axis) > l->finest * links_face_of(l, e)->finest;
 }
 
 int links_split(links *l, size_t element, int axis)
@@ -250,6 +251,27 @@ static void guess_ambient(links *l)
     l->floor = 0.02 * (direct / area + l->ambient);
 }
 
+/* A convex scene is closed everywhere if the faces fill the hemispheres over their middles. */
+static int is_closed(const links *l)
+{
+    const cell all = {0, 0, 1, 1};
+
+    if (!l->scene->convex)
+        return 0;
+    for (size_t r = 0; r < l->faces.count; r++) {
+        const face *at = (const face *)l->faces.items + r;
+        double      x[3], sum = 0;
+        transfer    t = {l->scene, x, at->normal, NULL, NULL, 0, 0, -1};
+
+        face_point(at, 0.5, 0.5, x);
+        for (size_t s = 0; s < l->faces.count; s++)
+            sum += s == r ? 0 : transfer_factor(&t, (const face *)l->faces.items + s, &all);
+        if (fabs(sum - 1) > 1e-9)
+            return 0;
+    }
+    return 1;
+}
+
 int links_relight(links *l)
 {
     if (!find_shadows(l))
@@ -272,6 +294,7 @@ int links_init(links *l)
     if (!l->shadows || !find_shadows(l))
         return 0;
     guess_ambient(l);
+    l->closed = is_closed(l);
     for (size_t f = 0; f < l->faces.count; f++) {
         ((face *)l->faces.items)[f].root = (int32_t)l->elements.count;
         if (!add_element(l, (uint32_t)f, &all))

@@ -96,7 +96,8 @@ class Bench:
         self.channel = SerialPort(options.port, options.baud) if options.port else Pty()
         self.present = False
         self.quiet_since = math.inf
-        self.inputs = [] if options.auto_press else [sys.stdin.fileno()]
+        by_hand = self.instrument.user_triggered and not options.auto_press
+        self.inputs = [sys.stdin.fileno()] if by_hand else []
 
     def say(self, message: bytes, reading: bool) -> None:
         self.faults.send(self.channel, message, reading)

@@ -1,0 +1,6 @@
+# SPDX-License-Identifier: MIT
+"""The version of the compiled library."""
+
+from ._core import version
+
+__version__: str = version()

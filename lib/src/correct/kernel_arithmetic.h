@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: MIT */
+/* Arithmetic on one pixel's floats, for kernel_template.h: see there. */
+
+INNER int32_t ISA(bits)(float x)
+{
+    int32_t i;
+
+    memcpy(&i, &x, sizeof i);
+    return i;
+}
+
+INNER float ISA(from_bits)(int32_t i)
+{
+    float x;
+
+    memcpy(&x, &i, sizeof x);
+    return x;
+}
+
+/* The larger or smaller of x and a constant c >= 0. Floats order as their bits do there. */
+INNER float ISA(at_least)(float x, float c)
+{
+#if INT_ORDER
+    const int32_t a = ISA(bits)(x), b = ISA(bits)(c);
+
+    return ISA(from_bits)(a > b ? a : b);
+#else
+    return x > c ? x : c;
+#endif
+}
+
+INNER float ISA(at_most)(float x, float c)
+{
+#if INT_ORDER
+    const int32_t a = ISA(bits)(x), b = ISA(bits)(c);
+
+    return ISA(from_bits)(a < b ? a : b);
+#else
+    return x < c ? x : c;
+#endif
+}
+
+INNER float ISA(clamp)(float x) { return ISA(at_most)(ISA(at_least)(x, 0.0f), 1.0f); }
+
+/* Cube root of x >= 2^-100: worst relative error 1.4e-7 (tests/numeric/test_kernel.c), exact for 1.
+ * z ~ x^(-1/3) within 3.5 % from a third of the exponent; y0 = x z^2 and e = 1 - y0 z give
+ * y = y0 (1 - e)^(-2/3), a minimax polynomial for |e| < 0.1022. Rounding of y0 comes back through
+ * e and is damped to a third, so that no Newton step and no division are needed. */
+INNER float ISA(cbrt)(float x)
+{
+    const float z = ISA(from_bits)(1419899955 - (int32_t)((float)ISA(bits)(x) * 0.333333333f));
+    const float y = x * z * z;
+    const float e = 1.0f - y * z;
+    const float p =
+        0.6666666865f +
+        e * (0.5555365086f + e * (0.4938009381f + e * (0.4585397243f + e * 0.4287317097f)));
+
+    return y + y * (e * p);
+}
+
+/* f of eqs 2-4 (CIE 1976). The straight line is the cube root's tangent at (6/29)^3, so both parts
+ * are cbrt(m) + slope (t - m) with m = max(t, (6/29)^3), and no choice is left. */
+INNER float ISA(f)(float t)
+{
+    const float m = ISA(at_least)(t, 0.00885645207f);
+
+    return ISA(cbrt)(m) + (t - m) * 7.78703703f; /* 841/108 */
+}
+
+#define F_BLACK 0.137931049f /* f(0) as the line above rounds it: 4/29 */
+
+/* Its inverse; the slope is 108/841 to an ulp, chosen so that F_BLACK comes back as exactly 0. */
+INNER float ISA(f_inverse)(float v)
+{
+    const float m = ISA(at_least)(v, 0.206896558f); /* 6/29 */
+
+    return m * m * m + (v - m) * 0.128418565f;
+}
+
+/* x^t for 0 <= x < 2^64; worst error 5e-7 + 2e-7 t relative where the result is > 1e-6. */
+INNER float ISA(pow)(float x, float t)
+{
+    const int32_t i = ISA(bits)(ISA(at_least)(x, 1e-30f));
+    const int32_t e = (i - 0x3F3504F3) >> 23; /* mantissa in sqrt(1/2)..sqrt(2) */
+    const float a = ISA(from_bits)(i - e * 0x800000);
+    const float s = (a - 1.0f) / (a + 1.0f), z = s * s;
+    const float l = s * (2.88539004f + z * (0.961798847f + z * (0.57671386f + z * 0.431748331f)));
+    const float y = t * (float)e + t * l;
+    /* 2^y: the nearest integer goes to the exponent, the rest through a polynomial */
+    const float h = ISA(from_bits)(ISA(bits)(y + 12582912.0f));
+    const float r = y - (h - 12582912.0f);
+    const float p =
+        1.0f + r * (0.693147182f +
+                    r * (0.240226477f +
+                         r * (0.0555033237f +
+                              r * (0.00961843692f + r * (0.0013398875f + r * 0.000153533605f)))));
+    const int32_t n = ISA(bits)(h) - ISA(bits)(12582912.0f);
+
+    return x > 0.0f ? ISA(from_bits)(ISA(bits)(p) + (n < -120  ? -120
+                                                     : n > 126 ? 126
+                                                               : n) *
+                                                        0x800000)
+                    : 0.0f;
+}

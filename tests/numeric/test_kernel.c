@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: MIT */
+/* Worst errors of the float path, for every kernel of this build: its cube root over the whole
+ * range, and its pixels against the double reference. */
+#include "planning.h"
+
+#include <lcor/colour.h>
+
+enum { PIXELS = 1000000 };
+
+static float cube_root(const lcor_kernel *kernel, float value)
+{
+    float x[LCOR_BLOCK], y[LCOR_BLOCK];
+
+    for (int j = 0; j < LCOR_BLOCK; j++)
+        x[j] = value;
+    kernel->cube_root(x, y);
+    return y[LCOR_BLOCK - 1];
+}
+
+static void cube_root_is_within_1_4e_7(void **state)
+{
+    const lcor_kernel *kernel;
+
+    (void)state;
+    for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
+        double worst = 0.0;
+        float x[LCOR_BLOCK], y[LCOR_BLOCK];
+
+        /* the error repeats every three octaves; 97 floats apart, then the far ends */
+        for (float from = 0.0086f; from < 1.1f;) {
+            for (int j = 0; j < LCOR_BLOCK; j++) {
+                uint32_t u;
+
+                x[j] = from;
+                memcpy(&u, &from, sizeof u);
+                u += 97;
+                memcpy(&from, &u, sizeof u);
+            }
+            kernel->cube_root(x, y);
+            for (int j = 0; j < LCOR_BLOCK; j++) {
+                const double exact = cbrt((double)x[j]);
+
+                worst = fmax(worst, fabs((double)y[j] - exact) / exact);
+            }
+        }
+        print_message("%s: cube root %.3g\n", kernel->name, worst);
+        assert_true(worst < 1.4e-7);
+        assert_true(cube_root(kernel, 1.0f) == 1.0f);
+        check_near((double)cube_root(kernel, 1e18f), 1e6, 0.2, "1e18");
+        check_near((double)cube_root(kernel, 1e-27f), 1e-9, 2e-16, "1e-27");
+    }
+}
+
+/* Pixels of the two distributions the bounds are claimed for: random, and a sweep of 101 levels a
+ * channel with the light running through the whole displayable range and beyond. */
+static size_t fill(int sweep, float *rgb, float *light)
+{
+    uint64_t seed = 7;
+    size_t n = 0;
+
+    if (sweep) {
+        for (int r = 0; r <= 100; r++)
+            for (int g = 0; g <= 100; g++)
+                for (int b = 0; b <= 100 && n < PIXELS; b++, n++) {
+                    rgb[3 * n] = (float)r / 100.0f;
+                    rgb[3 * n + 1] = (float)g / 100.0f;
+                    rgb[3 * n + 2] = (float)b / 100.0f;
+                    light[n] = (float)(n % 997) / 997.0f * 2.4f;
+                }
+        return n;
+    }
+    for (; n < PIXELS; n++) {
+        for (size_t k = 0; k < 3; k++)
+            rgb[3 * n + k] = (float)(random_bits(&seed) >> 40) / 16777216.0f;
+        light[n] = (float)(random_bits(&seed) >> 40) / 16777216.0f * 2.2f;
+    }
+    return n;
+}
+
+typedef struct buffers {
+    float *rgb, *light, *out;
+    double *exact; /* corrected in double */
+    uint8_t *code8;
+    uint16_t *code16;
+} buffers;
+
+static void reference(const lcor_plan_options *options, const buffers *b, size_t n)
+{
+    lcor_plan_options o = *options;
+    lcor_plan *plan;
+
+    o.in_type = o.out_type = LCOR_F64;
+    o.map_type = LCOR_F32;
+    plan = make_plan(&o);
+    for (size_t i = 0; i < 3 * n; i++)
+        b->exact[i] = (double)b->rgb[i];
+    lcor_correct_row(plan, 0, n, b->exact, b->light, NULL, b->exact, NULL);
+    lcor_plan_free(plan);
+}
+
+static void compare_float(const lcor_kernel *kernel, const buffers *b, size_t n, lcor_gamut gamut)
+{
+    double worst = 0.0, worst_e = 0.0, sum_e = 0.0;
+    lcor_colour c;
+
+    lcor_colour_init(&c, LCOR_PRIMARIES_NTSC, NULL, LCOR_TRANSFER_LINEAR, 1.0, LCOR_LIGHTNESS_CIE,
+                     NULL);
+    for (size_t i = 0; i < n; i++) {
+        double rgb[3], lab[3], exact[3], e = 0.0;
+
+        for (size_t k = 0; k < 3; k++) {
+            rgb[k] = (double)b->out[3 * i + k];
+            worst = fmax(worst, fabs(rgb[k] - b->exact[3 * i + k]));
+        }
+        lcor_lab_from_rgb_row_f64(&c, 1, rgb, lab);
+        lcor_lab_from_rgb_row_f64(&c, 1, b->exact + 3 * i, exact);
+        for (int k = 0; k < 3; k++)
+            e += (lab[k] - exact[k]) * (lab[k] - exact[k]);
+        worst_e = fmax(worst_e, sqrt(e));
+        sum_e += sqrt(e);
+    }
+    print_message("%s %s: RGB %.3g, dE max %.3g mean %.3g\n", kernel->name,
+                  gamut == LCOR_GAMUT_CLIP ? "clip" : "keep", worst, worst_e, sum_e / (double)n);
+    assert_true(sum_e / (double)n <= 2e-5);
+    /* where a colour only grazes a face of the gamut, the factor s feels every rounding error of
+     * the chroma it scales: see docs/MODEL.md, "Accuracy" */
+    assert_true(worst <= (gamut == LCOR_GAMUT_CLIP ? 3e-6 : 6e-6));
+    assert_true(worst_e <= (gamut == LCOR_GAMUT_CLIP ? 2e-4 : 8e-4));
+}
+
+static void float_pixels_follow_double(void **state)
+{
+    const buffers *b = *state;
+
+    for (int sweep = 0; sweep < 2; sweep++)
+        for (int g = 0; g < 2; g++) {
+            const size_t n = fill(sweep, b->rgb, b->light);
+            lcor_plan_options o = plain_options(LCOR_F32);
+            const lcor_kernel *kernel;
+            lcor_plan *plan;
+
+            o.gamut = g == 0 ? LCOR_GAMUT_CLIP : LCOR_GAMUT_KEEP_HUE;
+            reference(&o, b, n);
+            plan = make_plan(&o);
+            for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
+                force_kernel(plan, kernel);
+                lcor_correct_row(plan, 0, n, b->rgb, b->light, NULL, b->out, NULL);
+                compare_float(kernel, b, n, o.gamut);
+            }
+            lcor_plan_free(plan);
+        }
+}
+
+static void codes_are_at_most_one_off(void **state)
+{
+    const buffers *b = *state;
+    const lcor_plan_options o8 = plain_options(LCOR_U8), o16 = plain_options(LCOR_U16);
+    lcor_plan *plan8 = make_plan(&o8), *plan16 = make_plan(&o16);
+    const lcor_kernel *kernel;
+    const size_t n = fill(0, b->rgb, b->light);
+
+    for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
+        size_t off8 = 0;
+
+        for (size_t i = 0; i < 3 * n; i++) {
+            b->code8[i] = (uint8_t)(b->rgb[i] * 255.99f);
+            b->code16[i] = (uint16_t)(b->code8[i] * 257);
+            b->exact[i] = b->code8[i] / 255.0; /* the same colour in both */
+        }
+        {
+            lcor_plan_options o = plain_options(LCOR_F64);
+            lcor_plan *plan;
+
+            o.map_type = LCOR_F32;
+            plan = make_plan(&o);
+            lcor_correct_row(plan, 0, n, b->exact, b->light, NULL, b->exact, NULL);
+            lcor_plan_free(plan);
+        }
+        force_kernel(plan8, kernel);
+        force_kernel(plan16, kernel);
+        lcor_correct_row(plan8, 0, n, b->code8, b->light, NULL, b->code8, NULL);
+        lcor_correct_row(plan16, 0, n, b->code16, b->light, NULL, b->code16, NULL);
+        for (size_t i = 0; i < 3 * n; i++) {
+            const int d8 = b->code8[i] - (int)(b->exact[i] * 255.0 + 0.5);
+            const int d16 = b->code16[i] - (int)(b->exact[i] * 65535.0 + 0.5);
+
+            off8 += d8 != 0;
+            assert_in_range(d8 + 1, 0, 2);
+            assert_in_range(d16 + 1, 0, 2);
+        }
+        print_message("%s: %.4f %% of bytes off by one\n", kernel->name,
+                      100.0 * (double)off8 / (3.0 * (double)n));
+        assert_true((double)off8 <= 5e-5 * 3.0 * (double)n);
+    }
+    lcor_plan_free(plan8);
+    lcor_plan_free(plan16);
+}
+
+static void converted_texture_follows_double(void **state)
+{
+    const buffers *b = *state;
+    const lcor_plan_options o = plain_options(LCOR_F32);
+    lcor_plan *plan = make_plan(&o);
+    float *f = malloc(3 * PIXELS * sizeof *f);
+    const size_t n = fill(0, b->rgb, b->light);
+    const lcor_kernel *kernel;
+
+    assert_non_null(f);
+    reference(&o, b, n);
+    lcor_plan_texture_row(plan, n, b->rgb, f, PIXELS);
+    for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
+        force_kernel(plan, kernel);
+        lcor_correct_texture_row(plan, 0, n, f, PIXELS, b->light, NULL, b->out, NULL);
+        compare_float(kernel, b, n, LCOR_GAMUT_KEEP_HUE);
+    }
+    free(f);
+    lcor_plan_free(plan);
+}
+
+static void stored_values_follow_double(void **state)
+{
+    const buffers *b = *state;
+    const size_t n = fill(0, b->rgb, b->light) / 10;
+
+    for (int kind = 1; kind < 3; kind++) {
+        const lcor_transfer transfer = (lcor_transfer)kind;
+        lcor_plan_options o = plain_options(LCOR_F32);
+        lcor_colour colour;
+        lcor_plan *plan;
+        const lcor_kernel *kernel;
+
+        assert_int_equal(lcor_colour_init(&colour, LCOR_PRIMARIES_SRGB, NULL, transfer, 2.2,
+                                          LCOR_LIGHTNESS_CIE, NULL),
+                         LCOR_OK);
+        o.colour = &colour;
+        reference(&o, b, n);
+        plan = make_plan(&o);
+        for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
+            double worst = 0.0;
+
+            force_kernel(plan, kernel);
+            lcor_correct_row(plan, 0, n, b->rgb, b->light, NULL, b->out, NULL);
+            for (size_t i = 0; i < 3 * n; i++) {
+                /* compare in linear light: the pure power is infinitely steep at 0 */
+                const double x = lcor_transfer_to_linear(&colour, (double)b->out[i]);
+
+                worst = fmax(worst, fabs(x - lcor_transfer_to_linear(&colour, b->exact[i])));
+            }
+            print_message("%s transfer %d: linear RGB %.3g\n", kernel->name, kind, worst);
+            assert_true(worst <= 5e-6);
+        }
+        lcor_plan_free(plan);
+    }
+}
+
+static int allocate(void **state)
+{
+    static buffers b;
+
+    b.rgb = malloc(3 * PIXELS * sizeof *b.rgb);
+    b.light = malloc(PIXELS * sizeof *b.light);
+    b.out = malloc(3 * PIXELS * sizeof *b.out);
+    b.exact = malloc(3 * PIXELS * sizeof *b.exact);
+    b.code8 = malloc(3 * PIXELS);
+    b.code16 = malloc(3 * PIXELS * sizeof *b.code16);
+    *state = &b;
+    return b.rgb == NULL || b.light == NULL || b.out == NULL || b.exact == NULL ||
+           b.code8 == NULL || b.code16 == NULL;
+}
+
+static int release(void **state)
+{
+    const buffers *b = *state;
+
+    free(b->rgb);
+    free(b->light);
+    free(b->out);
+    free(b->exact);
+    free(b->code8);
+    free(b->code16);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(cube_root_is_within_1_4e_7),
+                                       cmocka_unit_test(float_pixels_follow_double),
+                                       cmocka_unit_test(codes_are_at_most_one_off),
+                                       cmocka_unit_test(converted_texture_follows_double),
+                                       cmocka_unit_test(stored_values_follow_double)};
+
+    return cmocka_run_group_tests(tests, allocate, release);
+}

@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: MIT */
+/* The solver against the reference solution of the paper's room and against closed forms. */
+#include "rooms.h"
+
+enum { N = 50, ALL = ROOM_FACES * N * N };
+
+typedef struct errors {
+    double rms, max;
+} errors;
+
+/* Errors over all patches, as lcor_norm defines them. */
+static errors compare(const lcor_solution *solution, lcor_value value)
+{
+    csv     t = csv_read(LCOR_TEST_DATA "/reference/paper_room_50x50.csv");
+    double *total = malloc(ALL * sizeof *total), mean = 0;
+    errors  e = {0, 0};
+
+    assert_non_null(total);
+    assert_int_equal(t.rows, ALL);
+    room_patches(solution, N, value, total);
+    for (size_t k = 0; k < ALL; k++)
+        mean += total[k] / ALL;
+    for (size_t row = 0; row < t.rows; row++) {
+        const size_t f = (size_t)room_face_number(csv_text(&t, row, "face"));
+        const size_t i = (size_t)csv_number(&t, row, "i"), j = (size_t)csv_number(&t, row, "j");
+        const double truth =
+            csv_number(&t, row, value == LCOR_VALUE_AVERAGE ? "E_avg" : "E_centre");
+        const double d = (total[(f * N + i) * N + j] - truth) / fmax(truth, 0.02 * mean);
+
+        e.rms += d * d / ALL;
+        e.max = fmax(e.max, fabs(d));
+    }
+    e.rms = sqrt(e.rms);
+    free(total);
+    csv_free(&t);
+    return e;
+}
+
+/* Solves at a tolerance and checks the promise and the estimate against the truth. */
+static void check_request(double tolerance, lcor_norm norm, lcor_value value)
+{
+    lcor_scene                  *scene = paper_room(N);
+    lcor_solution               *solution;
+    const lcor_radiosity_report *report;
+    errors                       e;
+
+    commit(scene);
+    solution = solve(scene, tolerance, norm);
+    report = lcor_solution_report(solution);
+    e = compare(solution, value);
+    print_message("request %g: true rms %.2e max %.2e, estimated rms %.2e max %.2e, %lu links, "
+                  "%.2f MB\n",
+                  tolerance, e.rms, e.max, report->error_rms, report->error_max,
+                  (unsigned long)report->links, (double)report->bytes * 1e-6);
+    assert_true(report->converged);
+    assert_true((norm == LCOR_NORM_RMS ? e.rms : e.max) <= tolerance);
+    assert_true(report->error_rms >= 0.8 * e.rms);
+    assert_true(report->bytes <= 10000000);
+    assert_true(report->energy_defect < tolerance);
+    lcor_solution_free(solution);
+    lcor_scene_free(scene);
+}
+
+static void a_request_of_one_percent_is_met(void **state)
+{
+    (void)state;
+    check_request(1e-2, LCOR_NORM_RMS, LCOR_VALUE_AVERAGE);
+}
+
+static void a_request_of_one_permille_is_met(void **state)
+{
+    (void)state;
+    check_request(1e-3, LCOR_NORM_RMS, LCOR_VALUE_AVERAGE);
+}
+
+static void centre_values_are_met_too(void **state)
+{
+    (void)state;
+    check_request(1e-3, LCOR_NORM_RMS, LCOR_VALUE_CENTRE);
+}
+
+static void a_request_for_the_worst_patch_is_met(void **state)
+{
+    (void)state;
+    check_request(1e-2, LCOR_NORM_MAX, LCOR_VALUE_AVERAGE);
+}
+
+/* Closed room, emission 1 everywhere: B = 1 / (1 - rho). */
+static void a_white_furnace_is_exact(void **state)
+{
+    static const double rhos[] = {0.5, 0.9, 0.99, 0.999};
+
+    (void)state;
+    for (size_t r = 0; r < sizeof rhos / sizeof rhos[0]; r++) {
+        const double   rho[ROOM_FACES] = {rhos[r], rhos[r], rhos[r], rhos[r], rhos[r], rhos[r]};
+        double         total[ROOM_FACES * 100], worst = 0;
+        lcor_scene    *scene = NULL;
+        lcor_solution *solution;
+        lcor_error     err;
+
+        must(lcor_scene_new(NULL, &scene, &err), &err);
+        add_room(scene, 1, rho, 1, 10);
+        commit(scene);
+        solution = solve(scene, 0.01, LCOR_NORM_RMS);
+        room_patches(solution, 10, LCOR_VALUE_AVERAGE, total);
+        for (size_t k = 0; k < ROOM_FACES * 100; k++)
+            worst = fmax(worst, fabs((1 + rhos[r] * total[k]) * (1 - rhos[r]) - 1));
+        print_message("furnace %g: worst %.1e after %d iterations\n", rhos[r], worst,
+                      lcor_solution_report(solution)->iterations);
+        assert_true(worst <= 1e-8);
+        assert_true(lcor_solution_report(solution)->iterations <= 15);
+        lcor_solution_free(solution);
+        lcor_scene_free(scene);
+    }
+}
+
+/* The room with a box, at the patches of an independent path tracing (bench/reference_box_room.c). */
+static void occlusion_agrees_with_path_tracing(void **state)
+{
+    csv            t = csv_read(LCOR_TEST_DATA "/reference/box_room_50x50.csv");
+    double        *total = malloc(ALL * sizeof *total), square = 0, noise = 0, worst = 0, mean = 0;
+    lcor_scene    *scene = paper_room(N);
+    lcor_solution *solution;
+
+    (void)state;
+    assert_non_null(total);
+    add_box(scene, paper_box_low, paper_box_high, 0.5, 10);
+    commit(scene);
+    solution = solve(scene, 1e-2, LCOR_NORM_RMS);
+    room_patches(solution, N, LCOR_VALUE_AVERAGE, total);
+    for (size_t k = 0; k < ALL; k++)
+        mean += total[k] / ALL;
+    for (size_t row = 0; row < t.rows; row++) {
+        const size_t f = (size_t)room_face_number(csv_text(&t, row, "face"));
+        const size_t i = (size_t)csv_number(&t, row, "i"), j = (size_t)csv_number(&t, row, "j");
+        const double truth = csv_number(&t, row, "E_avg"), scale = fmax(truth, 0.02 * mean);
+        const double d = (total[(f * N + i) * N + j] - truth) / scale;
+        const double s = csv_number(&t, row, "sigma") / scale;
+
+        square += d * d / (double)t.rows;
+        noise += s * s / (double)t.rows;
+        worst = fmax(worst, fabs(d));
+    }
+    /* A third of the patches lie where it is hardest: around the box and at shadow edges. */
+    print_message("box: rms %.2e with noise %.2e, worst %.2e\n", sqrt(square), sqrt(noise), worst);
+    assert_true(sqrt(square) <= 2e-2);
+    assert_true(worst <= 0.12);
+    free(total);
+    csv_free(&t);
+    lcor_solution_free(solution);
+    lcor_scene_free(scene);
+}
+
+static void points_agree_with_patch_centres(void **state)
+{
+    lcor_scene    *scene = paper_room(8);
+    lcor_solution *solution;
+    lcor_error     err;
+
+    (void)state;
+    add_box(scene, paper_box_low, paper_box_high, 0.5, 8);
+    commit(scene);
+    solution = solve(scene, 0.05, LCOR_NORM_RMS);
+    for (size_t s = 0; s < lcor_scene_surface_count(scene); s++) {
+        double centres[64 * 3], normal[3], normals[64 * 3], patch[64], patch_direct[64], at[64],
+            direct[64];
+
+        must(lcor_scene_patch_geometry(scene, s, centres, NULL, normal, &err), &err);
+        for (int k = 0; k < 64 * 3; k++)
+            normals[k] = normal[k % 3];
+        must(lcor_solution_patches(solution, s, LCOR_VALUE_CENTRE, patch, patch_direct, &err),
+             &err);
+        must(lcor_solution_at(solution, 64, centres, normals, at, direct, &err), &err);
+        for (int k = 0; k < 64; k++) {
+            check_near(at[k], patch[k], 1e-9 * (1 + patch[k]), "total");
+            check_near(direct[k], patch_direct[k], 1e-12 * (1 + patch[k]), "direct");
+        }
+    }
+    lcor_solution_free(solution);
+    lcor_scene_free(scene);
+}
+
+/* A point in free space has no element: it is gathered, and must agree with its neighbourhood. */
+static void points_in_space_are_gathered(void **state)
+{
+    const double   point[6] = {0.5, 0.5, 1e-4, 0.5, 0.5, 0}, normal[6] = {0, 0, 1, 0, 0, 1};
+    double         total[2];
+    lcor_scene    *scene = paper_room(10);
+    lcor_solution *solution;
+    lcor_error     err;
+
+    (void)state;
+    commit(scene);
+    solution = solve(scene, 1e-3, LCOR_NORM_RMS);
+    must(lcor_solution_at(solution, 2, point, normal, total, NULL, &err), &err);
+    check_near(total[0], total[1], 5e-3 * total[1], "gathered against interpolated");
+    lcor_solution_free(solution);
+    lcor_scene_free(scene);
+}
+
+/* Direct averages next to a shadow's edge are areas, not samples: a fine grid's mean is the coarse
+ * grid's value. */
+static void shadow_edges_are_exact_in_averages(void **state)
+{
+    double sum[2] = {0, 0};
+
+    (void)state;
+    for (int pass = 0; pass < 2; pass++) {
+        const size_t   n = pass ? 24 : 3;
+        double        *direct = malloc(n * n * sizeof *direct);
+        lcor_scene    *scene = paper_room(n);
+        lcor_solution *solution;
+        lcor_error     err;
+
+        assert_non_null(direct);
+        add_box(scene, paper_box_low, paper_box_high, 0.5, 1);
+        commit(scene);
+        solution = solve(scene, 0.01, LCOR_NORM_RMS);
+        must(lcor_solution_patches(solution, 0, LCOR_VALUE_AVERAGE, NULL, direct, &err), &err);
+        for (size_t i = 2 * n / 3; i < n; i++) /* the third behind the box */
+            for (size_t j = 2 * n / 3; j < n; j++)
+                sum[pass] += direct[i * n + j] / (double)(n * n / 9);
+        free(direct);
+        lcor_solution_free(solution);
+        lcor_scene_free(scene);
+    }
+    assert_true(sum[0] > 0.1);
+    check_near(sum[0], sum[1], 1e-4 * sum[1], "average of direct light");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_request_of_one_percent_is_met),
+        cmocka_unit_test(a_request_of_one_permille_is_met),
+        cmocka_unit_test(centre_values_are_met_too),
+        cmocka_unit_test(a_request_for_the_worst_patch_is_met),
+        cmocka_unit_test(a_white_furnace_is_exact),
+        cmocka_unit_test(occlusion_agrees_with_path_tracing),
+        cmocka_unit_test(points_agree_with_patch_centres),
+        cmocka_unit_test(points_in_space_are_gathered),
+        cmocka_unit_test(shadow_edges_are_exact_in_averages),
+    };
+
+    return cmocka_run_group_tests_name("radiosity", tests, NULL, NULL);
+}

@@ -1,0 +1,386 @@
+/* SPDX-License-Identifier: MIT */
+/* What must hold for any scene: threads, scale, order, reuse; and the report's limits. */
+#include "rooms.h"
+
+enum { N = 6, VALUES = ROOM_FACES * N * N };
+
+static void room_values(const lcor_solution *solution, double *out)
+{
+    room_patches(solution, N, LCOR_VALUE_AVERAGE, out);
+}
+
+static lcor_scene *box_room(void)
+{
+    lcor_scene *scene = paper_room(N);
+
+    add_box(scene, paper_box_low, paper_box_high, 0.5, N);
+    return scene;
+}
+
+/* A parallel-for that runs tasks backwards, as another number of threads might. */
+static void run_backwards(void *user, size_t n, void (*task)(void *arg, size_t i), void *arg)
+{
+    ++*(int *)user;
+    while (n-- > 0)
+        task(arg, n);
+}
+
+static void bits_do_not_depend_on_the_order_of_tasks(void **state)
+{
+    double                 forward[VALUES], backward[VALUES];
+    lcor_scene            *scene = box_room();
+    lcor_solution         *one, *two = NULL;
+    lcor_radiosity_options options;
+    lcor_error             err;
+    int                    calls = 0;
+
+    (void)state;
+    commit(scene);
+    memset(&options, 0, sizeof options);
+    options.struct_size = sizeof options;
+    options.tolerance = 0.03;
+    options.parallel.run = run_backwards;
+    options.parallel.user = &calls;
+    one = solve(scene, 0.03, LCOR_NORM_RMS);
+    must(lcor_radiosity_solve(scene, &options, &two, &err), &err);
+    assert_true(calls > 3);
+    room_values(one, forward);
+    room_values(two, backward);
+    assert_memory_equal(forward, backward, sizeof forward);
+    lcor_solution_free(one);
+    lcor_solution_free(two);
+    lcor_scene_free(scene);
+}
+
+/* The same scene a million times smaller or larger: irradiance goes with 1 / length^2. */
+static void results_do_not_depend_on_the_unit_of_length(void **state)
+{
+    static const double scales[] = {1, 1e-6, 1e6};
+    double              values[3][VALUES];
+
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        const double   a = scales[k];
+        const double   low[3] = {0.45 * a, 0.2 * a, 0}, high[3] = {0.75 * a, 0.5 * a, 0.4 * a};
+        lcor_scene    *scene = NULL;
+        lcor_solution *solution;
+        lcor_error     err;
+
+        must(lcor_scene_new(NULL, &scene, &err), &err);
+        add_room(scene, a, paper_rho, 0, N);
+        add_lamp(scene, 0.3 * a, 0.4 * a, 0.7 * a, a * a);
+        add_box(scene, low, high, 0.5, N);
+        commit(scene);
+        solution = solve(scene, 0.03, LCOR_NORM_RMS);
+        room_values(solution, values[k]);
+        lcor_solution_free(solution);
+        lcor_scene_free(scene);
+    }
+    for (int i = 0; i < VALUES; i++) {
+        check_near(values[1][i], values[0][i], 3e-3 * (0.01 + values[0][i]), "1e-6");
+        check_near(values[2][i], values[0][i], 3e-3 * (0.01 + values[0][i]), "1e6");
+    }
+}
+
+/* Light twice as strong, everything twice as bright. */
+static void irradiance_is_linear_over_the_whole_range(void **state)
+{
+    static const double strengths[] = {1, 1e-4, 1e4};
+    double              values[3][VALUES];
+
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        lcor_scene    *scene = NULL;
+        lcor_solution *solution;
+        lcor_error     err;
+
+        must(lcor_scene_new(NULL, &scene, &err), &err);
+        add_room(scene, 1, paper_rho, 0, N);
+        add_lamp(scene, 0.3, 0.4, 0.7, strengths[k]);
+        commit(scene);
+        solution = solve(scene, 0.01, LCOR_NORM_RMS);
+        room_values(solution, values[k]);
+        lcor_solution_free(solution);
+        lcor_scene_free(scene);
+    }
+    for (int k = 1; k < 3; k++)
+        for (int i = 0; i < VALUES; i++)
+            check_near(values[k][i] / strengths[k], values[0][i], 1e-9 * values[0][i], "linear");
+}
+
+/* After a light or a reflectance has changed, an update must agree with solving anew. */
+static void an_update_agrees_with_a_new_solution(void **state)
+{
+    double         updated[VALUES], fresh[VALUES];
+    lcor_scene    *scene = box_room(), *other = NULL;
+    lcor_solution *solution, *again;
+    lcor_surface   look;
+    lcor_light     light;
+    lcor_error     err;
+    double         square = 0;
+
+    (void)state;
+    commit(scene);
+    solution = solve(scene, 0.01, LCOR_NORM_RMS);
+    memset(&light, 0, sizeof light);
+    light.position[0] = 0.6;
+    light.position[1] = 0.7;
+    light.position[2] = 0.8;
+    light.intensity[0] = light.intensity[1] = light.intensity[2] = 2;
+    memset(&look, 0, sizeof look);
+    look.reflectance[0] = look.reflectance[1] = look.reflectance[2] = 0.7;
+    look.patches[0] = look.patches[1] = N;
+    must(lcor_scene_set_light(scene, 0, &light, &err), &err);
+    must(lcor_scene_set_surface(scene, 0, &look, &err), &err);
+    must(lcor_solution_update(solution, &err), &err);
+    room_values(solution, updated);
+
+    other = box_room();
+    must(lcor_scene_set_light(other, 0, &light, &err), &err);
+    must(lcor_scene_set_surface(other, 0, &look, &err), &err);
+    commit(other);
+    again = solve(other, 0.01, LCOR_NORM_RMS);
+    room_values(again, fresh);
+    for (int i = 0; i < VALUES; i++)
+        square += (updated[i] / fresh[i] - 1) * (updated[i] / fresh[i] - 1) / VALUES;
+    assert_true(sqrt(square) < 0.015);
+    lcor_solution_free(solution);
+    lcor_solution_free(again);
+    lcor_scene_free(scene);
+    lcor_scene_free(other);
+}
+
+/* Light leaves a patch of one room as it arrives at another: sum of A_i E_i is symmetric in where
+ * unit emission stands. */
+static void exchange_is_reciprocal(void **state)
+{
+    double flux[2];
+
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        lcor_scene    *scene = paper_room(1);
+        lcor_solution *solution;
+        lcor_surface   look;
+        lcor_light     dark;
+        lcor_error     err;
+        double         e;
+
+        memset(&dark, 0, sizeof dark);
+        must(lcor_scene_set_light(scene, 0, &dark, &err), &err);
+        memset(&look, 0, sizeof look);
+        look.emission[0] = look.emission[1] = look.emission[2] = 1;
+        must(lcor_scene_set_surface(scene, k ? 3 : 0, &look, &err), &err);
+        memset(look.emission, 0, sizeof look.emission);
+        must(lcor_scene_set_surface(scene, k ? 0 : 3, &look, &err), &err);
+        commit(scene);
+        solution = solve(scene, 1e-3, LCOR_NORM_RMS);
+        must(lcor_solution_patches(solution, k ? 0 : 3, LCOR_VALUE_AVERAGE, &e, NULL, &err), &err);
+        flux[k] = e;
+        lcor_solution_free(solution);
+        lcor_scene_free(scene);
+    }
+    check_near(flux[0], flux[1], 1e-3 * flux[0], "reciprocity");
+}
+
+/* Coloured light asks for three channels; each is what it would be alone. */
+static void channels_are_independent(void **state)
+{
+    double         coloured[ROOM_FACES * 3], grey[ROOM_FACES];
+    lcor_scene    *scene = paper_room(1), *white = paper_room(1);
+    lcor_solution *three, *one;
+    lcor_light     light;
+    lcor_error     err;
+
+    (void)state;
+    memset(&light, 0, sizeof light);
+    light.position[0] = 0.3;
+    light.position[1] = 0.4;
+    light.position[2] = 0.7;
+    light.intensity[0] = 1;
+    light.intensity[1] = 0.5;
+    light.intensity[2] = 0;
+    must(lcor_scene_set_light(scene, 0, &light, &err), &err);
+    commit(scene);
+    commit(white);
+    three = solve(scene, 0.01, LCOR_NORM_RMS);
+    one = solve(white, 0.01, LCOR_NORM_RMS);
+    assert_int_equal(lcor_solution_report(three)->channels, 3);
+    assert_int_equal(lcor_solution_report(one)->channels, 1);
+    for (size_t f = 0; f < ROOM_FACES; f++) {
+        must(lcor_solution_patches(three, f, LCOR_VALUE_AVERAGE, coloured + 3 * f, NULL, &err),
+             &err);
+        must(lcor_solution_patches(one, f, LCOR_VALUE_AVERAGE, grey + f, NULL, &err), &err);
+        check_near(coloured[3 * f], grey[f], 0.02 * grey[f], "red");
+        check_near(coloured[3 * f + 1], 0.5 * coloured[3 * f], 1e-9, "green");
+        check_near(coloured[3 * f + 2], 0, 0, "blue");
+    }
+    lcor_solution_free(three);
+    lcor_solution_free(one);
+    lcor_scene_free(scene);
+    lcor_scene_free(white);
+}
+
+typedef struct watcher {
+    int    calls, stop_at, falling;
+    double last;
+} watcher;
+
+static int watch(void *user, double done)
+{
+    watcher *w = user;
+
+    w->falling |= done < w->last;
+    w->last = done;
+    return ++w->calls == w->stop_at;
+}
+
+static void progress_never_falls_and_can_cancel(void **state)
+{
+    lcor_scene            *scene = box_room();
+    lcor_solution         *solution = NULL;
+    lcor_radiosity_options options;
+    lcor_error             err;
+    watcher                w = {0, 0, 0, 0};
+    int                    calls;
+
+    (void)state;
+    commit(scene);
+    memset(&options, 0, sizeof options);
+    options.struct_size = sizeof options;
+    options.tolerance = 0.05;
+    options.progress.report = watch;
+    options.progress.user = &w;
+    must(lcor_radiosity_solve(scene, &options, &solution, &err), &err);
+    assert_false(w.falling);
+    assert_true(w.calls > 3 && w.last == 1);
+    lcor_solution_free(solution);
+    solution = NULL;
+    calls = w.calls;
+    for (int stop = 1; stop < calls; stop += 1 + calls / 5) {
+        w = (watcher){0, stop, 0, 0};
+        assert_int_equal(lcor_radiosity_solve(scene, &options, &solution, &err),
+                         LCOR_ERR_CANCELLED);
+        assert_null(solution);
+        assert_int_equal(w.calls, stop);
+    }
+    lcor_scene_free(scene);
+}
+
+static void a_limit_returns_the_best_solution_unconverged(void **state)
+{
+    lcor_scene            *scene = box_room();
+    lcor_solution         *solution = NULL;
+    lcor_radiosity_options options;
+    lcor_error             err;
+    double                 values[VALUES];
+
+    (void)state;
+    commit(scene);
+    for (int k = 0; k < 2; k++) {
+        memset(&options, 0, sizeof options);
+        options.struct_size = sizeof options;
+        options.tolerance = 1e-5;
+        options.max_bytes = k == 0 ? 2000000 : 0;
+        options.max_seconds = k == 1 ? 0.05 : 0;
+        must(lcor_radiosity_solve(scene, &options, &solution, &err), &err);
+        assert_false(lcor_solution_report(solution)->converged);
+        assert_true(lcor_solution_report(solution)->error_rms > 1e-5);
+        room_values(solution, values);
+        for (int i = 0; i < VALUES; i++)
+            assert_true(values[i] > 0.1 && values[i] < 100);
+        lcor_solution_free(solution);
+    }
+    lcor_scene_free(scene);
+}
+
+typedef struct failing {
+    long left, live;
+} failing;
+
+static void *failing_alloc(size_t size, void *user)
+{
+    failing *f = user;
+    void    *p = f->left-- > 0 ? malloc(size) : NULL;
+
+    f->live += p != NULL;
+    return p;
+}
+
+static void failing_free(void *p, void *user)
+{
+    ((failing *)user)->live--;
+    free(p);
+}
+
+static void every_allocation_may_fail(void **state)
+{
+    failing                f = {0, 0};
+    const lcor_allocator   allocator = {failing_alloc, failing_free, &f};
+    lcor_scene            *scene = box_room();
+    lcor_radiosity_options options;
+    lcor_status            status = LCOR_ERR_NOMEM;
+
+    (void)state;
+    commit(scene);
+    memset(&options, 0, sizeof options);
+    options.struct_size = sizeof options;
+    options.tolerance = 0.5;
+    options.allocator = allocator;
+    for (long k = 0; status != LCOR_OK; k += 1 + k / 8) {
+        lcor_solution *solution = NULL;
+        lcor_error     err;
+
+        assert_true(k < 10000);
+        f.left = k;
+        status = lcor_radiosity_solve(scene, &options, &solution, &err);
+        assert_true(status == LCOR_OK || status == LCOR_ERR_NOMEM);
+        lcor_solution_free(solution);
+        assert_int_equal(f.live, 0);
+    }
+    lcor_scene_free(scene);
+}
+
+static void wrong_options_are_refused(void **state)
+{
+    lcor_scene            *scene = paper_room(2);
+    lcor_solution         *solution = NULL;
+    lcor_radiosity_options options;
+    lcor_error             err;
+
+    (void)state;
+    memset(&options, 0, sizeof options);
+    options.struct_size = sizeof options;
+    assert_int_equal(lcor_radiosity_solve(scene, &options, &solution, &err), LCOR_ERR_ARG);
+    assert_non_null(strstr(err.text, "not committed"));
+    commit(scene);
+    options.struct_size = 0;
+    assert_int_equal(lcor_radiosity_solve(scene, &options, &solution, &err), LCOR_ERR_ARG);
+    options.struct_size = sizeof options;
+    options.tolerance = 2;
+    assert_int_equal(lcor_radiosity_solve(scene, &options, &solution, &err), LCOR_ERR_DOMAIN);
+    options.tolerance = (double)NAN;
+    assert_int_equal(lcor_radiosity_solve(scene, &options, &solution, &err), LCOR_ERR_DOMAIN);
+    options.tolerance = 0;
+    options.channels = 2;
+    assert_int_equal(lcor_radiosity_solve(scene, &options, &solution, &err), LCOR_ERR_ARG);
+    assert_null(solution);
+    lcor_scene_free(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bits_do_not_depend_on_the_order_of_tasks),
+        cmocka_unit_test(results_do_not_depend_on_the_unit_of_length),
+        cmocka_unit_test(irradiance_is_linear_over_the_whole_range),
+        cmocka_unit_test(an_update_agrees_with_a_new_solution),
+        cmocka_unit_test(exchange_is_reciprocal),
+        cmocka_unit_test(channels_are_independent),
+        cmocka_unit_test(progress_never_falls_and_can_cancel),
+        cmocka_unit_test(a_limit_returns_the_best_solution_unconverged),
+        cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(wrong_options_are_refused),
+    };
+
+    return cmocka_run_group_tests_name("radiosity", tests, NULL, NULL);
+}

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: MIT
+"""Every file of examples/ runs as its first lines say."""
+
+import os
+import shutil
+import subprocess
+import sys
+
+import lcor
+import numpy as np
+import pytest
+
+Image = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+
+
+@pytest.fixture
+def environment():
+    return {**os.environ, "PATH": f"{os.environ.get('LCOR_BINDIR', '')}:{os.environ['PATH']}"}
+
+
+@pytest.fixture
+def run(source, tmp_path, environment):
+    """Run an example in an empty folder; returns what it printed."""
+
+    def call(name, *arguments):
+        program = [sys.executable] if name.endswith(".py") else ["bash"]
+        done = subprocess.run(
+            [*program, str(source / "examples" / name), *map(str, arguments)],
+            cwd=tmp_path,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=240,
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    return call
+
+
+@pytest.fixture
+def port(environment):
+    """A pseudo-terminal with an emulated densitometer behind it."""
+    if not shutil.which("lccal", path=environment["PATH"]):
+        pytest.skip("lccal is not built")
+    command = [sys.executable, "-m", "lcor.emulator", "--model", "printalyzer"]
+    with subprocess.Popen(
+        [*command, "--contrast", "23.4", "--auto-press", "5", "--once"],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as emulator:
+        yield emulator.stdout.readline().strip()
+        emulator.terminate()
+
+
+@pytest.fixture
+def photo(tmp_path):
+    y, x = np.mgrid[0:60, 0:80]
+    waves = np.stack([np.sin(x / 9), np.cos(y / 7), np.sin((x + y) / 11)], axis=-1)
+    path = tmp_path / "photo.png"
+    Image.fromarray(np.uint8(127 + 100 * waves)).save(path)
+    return path
+
+
+def test_photograph(run, port, photo, tmp_path):
+    text = run("photograph.py", photo, port, "out.png")
+    assert "contrast of 23.4" in text
+    picture = np.asarray(Image.open(tmp_path / "out.png"))
+    assert picture.shape == (60, 80, 3)
+    assert picture[:20, :20].mean() > picture[-20:, -20:].mean() + 20
+
+
+def test_room(run, tmp_path):
+    text = run("room.py", "pictures")
+    for name in ("side", "above"):
+        picture = np.asarray(Image.open(tmp_path / "pictures" / f"{name}.png"))
+        assert picture.shape == (240, 320, 3) and np.ptp(picture) > 100
+        assert f"{name}.png" in text
+
+
+def test_frames(run, tmp_path):
+    pytest.importorskip("distributed", reason="distributed is not installed")
+    random = np.random.default_rng(0)
+    frames = random.integers(0, 256, (3, 24, 32, 3), dtype=np.uint8)
+    light = random.random((3, 24, 32))
+    (tmp_path / "film").mkdir()
+    for i, frame in enumerate(frames):
+        Image.fromarray(frame).save(tmp_path / "film" / f"{i}.png")
+    np.save(tmp_path / "light.npy", light)
+    run("frames.py", "film", "light.npy", "out")
+    options = {"reading": "texel", "space": "srgb", "transfer": "srgb"}
+    expected = lcor.correct(frames, light, 23.4, **options)
+    for i in range(3):
+        got = np.asarray(Image.open(tmp_path / "out" / f"{i}.png"))
+        np.testing.assert_array_equal(got, expected[i])
+
+
+def test_gltf_to_print(run, port, tmp_path, environment):
+    if not shutil.which("lcor", path=environment["PATH"]):
+        pytest.skip("lcor is not built")
+    room = ["lcor", "room", "--quiet", "-o", str(tmp_path / "room.glb")]
+    subprocess.run(room, env=environment, check=True)
+    run("gltf_to_print.sh", "room.glb", port, "out")
+    new, old = (np.asarray(Image.open(tmp_path / "out" / f"{n}.png")) for n in ("print", "eq19"))
+    assert new.shape == old.shape == (240, 320, 3) and (new != old).any()
