@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Speed against accuracy of the row calls: every kernel of this build, single thread.
  *
- *   bench_kernel [FILE.json] [MEGAPIXELS]
+ *   bench_kernel [FILE.json] [MEGAPIXELS] [PATH]
+ *
+ * PATH: one row of the table below only, for example "f32 clip".
  *
  * Each time is the best of several runs; the loop it is compared with, which only reads the same
  * bytes and writes the same bytes, runs between them. Errors are against the double reference on
@@ -49,7 +51,7 @@ static double now(void)
 {
     struct timespec t;
 
-    clock_gettime(CLOCK_MONOTONIC, &t);
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
@@ -292,8 +294,12 @@ int main(int argc, char **argv)
                 "\"dE max\", \"dE mean\"],\n \"rows\": [",
                 p.n >> 20, RUNS);
     for (size_t w = 0; w < sizeof PATHS / sizeof PATHS[0]; w++) {
-        const double seconds = make_exact(&p, &PATHS[w]);
         const lcor_kernel *kernel;
+        double seconds;
+
+        if (argc > 3 && strcmp(argv[3], PATHS[w].name) != 0)
+            continue;
+        seconds = make_exact(&p, &PATHS[w]);
 
         if (w < 2) {
             result r;

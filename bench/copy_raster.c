@@ -9,8 +9,8 @@ int main(int argc, char *argv[])
 {
     cups_page_header2_t header;
     cups_raster_t *in = cupsRasterOpen(0, CUPS_RASTER_READ);
-    cups_raster_t *out = cupsRasterOpen(1, argc > 1 && *argv[1] == '3' ? CUPS_RASTER_WRITE_PWG
-                                                                       : CUPS_RASTER_WRITE);
+    cups_raster_t *out =
+        cupsRasterOpen(1, argc > 1 && *argv[1] == '3' ? CUPS_RASTER_WRITE_PWG : CUPS_RASTER_WRITE);
     while (cupsRasterReadHeader2(in, &header)) {
         unsigned char *line = malloc(header.cupsBytesPerLine);
         if (!line || !cupsRasterWriteHeader2(out, &header))

@@ -69,8 +69,8 @@ static int keep_backup(const char *path, const char *backup)
     if (link(path, backup) == 0)
         return 0;
     /* No hard links on this file system: copy. */
-    char *bytes;
-    size_t size;
+    char *bytes = NULL;
+    size_t size = 0;
     if (lccal_load_file(path, &bytes, &size) != LCCAL_OK)
         return EIO;
     const int status = lccal_save_file(backup, bytes, size, false);
@@ -156,7 +156,7 @@ int lccal_load_file(const char *path, char **bytes, size_t *size)
         break;
     }
     fclose(file);
-    if (result != LCCAL_OK) {
+    if (result != LCCAL_OK || !text) {
         free(text);
         return result;
     }

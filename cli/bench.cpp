@@ -16,7 +16,8 @@ namespace
 
 double seconds()
 {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
 }
 
 /* The shortest of a few runs: the others were disturbed. */
@@ -37,10 +38,12 @@ std::vector<double> patch_values(const Scene &scene, const lcor_solution *soluti
     lcor_error error = {};
     for (size_t s = 0; s < scene.surfaces.size(); s++) {
         size_t n = 0;
-        check(lcor_scene_patch_count(scene.scene.get(), s, &n, &error), error, Exit::failed, "bench");
+        check(lcor_scene_patch_count(scene.scene.get(), s, &n, &error), error, Exit::failed,
+              "bench");
         std::vector<double> values(n);
-        check(lcor_solution_patches(solution, s, LCOR_VALUE_AVERAGE, values.data(), nullptr, &error),
-              error, Exit::failed, "bench");
+        check(
+            lcor_solution_patches(solution, s, LCOR_VALUE_AVERAGE, values.data(), nullptr, &error),
+            error, Exit::failed, "bench");
         all.insert(all.end(), values.begin(), values.end());
     }
     return all;
@@ -50,9 +53,8 @@ std::vector<double> patch_values(const Scene &scene, const lcor_solution *soluti
 Json radiosity(Threads &threads)
 {
     SceneOptions scene_options;
-    const Scene scene =
-        build_scene(parse_gltf(paper_room(50), "the paper's room", "", threads), scene_options,
-                    "the paper's room", threads);
+    const Scene scene = build_scene(parse_gltf(paper_room(50), "the paper's room", "", threads),
+                                    scene_options, "the paper's room", threads);
     SolveOptions options;
     options.tolerance = 1e-4;
     const std::vector<double> reference = patch_values(scene, solve(scene, options, threads).get());
@@ -65,7 +67,8 @@ Json radiosity(Threads &threads)
         SolutionPointer solution;
         std::vector<double> values;
         const double solving = best_seconds(3, [&] { solution = solve(scene, options, threads); });
-        const double reading = best_seconds(3, [&] { values = patch_values(scene, solution.get()); });
+        const double reading =
+            best_seconds(3, [&] { values = patch_values(scene, solution.get()); });
         double squares = 0.0, worst = 0.0;
         for (size_t i = 0; i < values.size(); i++) {
             const double error = (values[i] - reference[i]) / std::max(reference[i], 0.02 * mean);
@@ -121,7 +124,8 @@ Json correction()
         }
         const double time = best_seconds(5, [&] {
             for (size_t y = 0; y < ROWS; y++)
-                lcor_correct_row(plan, y, WIDTH, pixels.data(), light.data(), nullptr, out.data(), nullptr);
+                lcor_correct_row(plan, y, WIDTH, pixels.data(), light.data(), nullptr, out.data(),
+                                 nullptr);
         });
         lcor_plan_free(plan);
         rows.push_back({{"samples", kind.name}, {"ns_per_pixel", 1e9 * time / (WIDTH * ROWS)}});
@@ -151,12 +155,14 @@ void print_people(const Json &radiosity_rows, const Json &correction_rows)
 Exit run_bench(const Arguments &arguments)
 {
     int thread_count = 0;
-    Options options("lcor bench [options]", "Speed against accuracy on this machine; takes some seconds.");
+    Options options("lcor bench [options]",
+                    "Speed against accuracy on this machine; takes some seconds.");
     options.count("--threads", "N", thread_count, "default: as many as the machine has");
     if (!options.parse(arguments))
         return Exit::ok;
     if (!options.operands().empty())
-        fail(Exit::usage, "'%s' is left over; lcor bench takes options only", options.operands()[0].c_str());
+        fail(Exit::usage, "'%s' is left over; lcor bench takes options only",
+             options.operands()[0].c_str());
     Threads threads(thread_count);
     const Json radiosity_rows = radiosity(threads), correction_rows = correction();
     if (!json_wanted())

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What every subcommand of lcor shares: exit codes, errors, options, messages, progress, threads and
- * files that appear whole or not at all. */
+/* What every subcommand of lcor shares: exit codes, errors, options, messages, progress, threads
+ * and files that appear whole or not at all. */
 #ifndef LCOR_CLI_H
 #define LCOR_CLI_H
 
@@ -104,8 +104,8 @@ class Options
     /* One word of `words`; out becomes its index. */
     Options &choice(const char *name, std::vector<std::string> words, int &out, const char *help);
     /* Anything else: `store` throws Error(Exit::usage) on a bad value. */
-    Options &custom(const char *name, const char *meta, std::function<void(const std::string &)> store,
-                    const char *help);
+    Options &custom(const char *name, const char *meta,
+                    std::function<void(const std::string &)> store, const char *help);
 
     /* `--name value`, `--name=value`, operands in any order, `--` ends options. --json, --quiet,
      * --help and --version are understood everywhere. False when --help or --version was answered;
@@ -156,7 +156,7 @@ struct CorrectionOptions {
     int reading = 0; /* lcor_reading */
     std::string mean = "adaptive";
     double exponent = 1.0;
-    int space;    /* lcor_primaries */
+    int space; /* lcor_primaries */
     std::string transfer;
     int lightness = 0; /* lcor_lightness */
     int gamut = 0;     /* lcor_gamut */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* `lcor correct`: a picture of any size in two streaming passes, the mean and the correction. */
-#include "stream.h"
 #include "pixels.h"
+#include "stream.h"
 
 #include <OpenImageIO/imageio.h>
 
@@ -51,7 +51,8 @@ OIIO::ImageSpec output_spec(const PictureReader &reader, const Job &job, const D
     const bool to_device = !device.tone_curve.empty() && !spec.format.is_floating_point();
     const std::string icc = spec.get_string_attribute("ICCProfile:profile_description");
     if (to_device && spec.find_attribute("ICCProfile")) {
-        warn("the device's tone curve takes the place of the ICC profile of '%s'", job.texture.c_str());
+        warn("the device's tone curve takes the place of the ICC profile of '%s'",
+             job.texture.c_str());
         spec.erase_attribute("ICCProfile");
     } else if (!icc.empty() && icc.find("sRGB") == std::string::npos) {
         warn("'%s' has the ICC profile '%s'; it is carried over, colours are read as --space says",
@@ -128,7 +129,8 @@ class Corrector
         const size_t count = (reader_.height() + band_rows_ - 1) / band_rows_;
         const size_t steps = count + (write ? 2 : 1);
         for (size_t k = 0; k < steps; k++) {
-            Band &reading = bands[k % 3], &working = bands[(k + 2) % 3], &writing = bands[(k + 1) % 3];
+            Band &reading = bands[k % 3], &working = bands[(k + 2) % 3],
+                 &writing = bands[(k + 1) % 3];
             const bool works = k >= 1 && k <= count;
             const size_t rows = works ? working.y1 - working.y0 : 0;
             threads_.run(2 + (rows + CHUNK_ROWS - 1) / CHUNK_ROWS, [&](size_t task) {
@@ -141,7 +143,8 @@ class Corrector
                     work(working, y0, std::min(y0 + CHUNK_ROWS, working.y1));
                 }
             });
-            progress_.report(from + (to - from) * static_cast<double>(k + 1) / static_cast<double>(steps));
+            progress_.report(from +
+                             (to - from) * static_cast<double>(k + 1) / static_cast<double>(steps));
         }
     }
 
@@ -156,7 +159,10 @@ class Corrector
             rows_.divide_by_alpha(row_of(band, y));
     }
 
-    uint8_t *row_of(Band &band, size_t y) const { return &band.pixels[(y - band.y0) * rows_.bytes()]; }
+    uint8_t *row_of(Band &band, size_t y) const
+    {
+        return &band.pixels[(y - band.y0) * rows_.bytes()];
+    }
 
     void find_means();
     size_t stride(size_t pixels, size_t map_pixels) const;
@@ -182,8 +188,8 @@ class Corrector
     lcor_row_stats stats_ = {};
 };
 
-/* Every how many pixels r is looked at. With the patch's reading it is the map's alone, and a map of
- * far fewer pixels is smooth between them: twice its resolution tells its mean. */
+/* Every how many pixels r is looked at. With the patch's reading it is the map's alone, and a map
+ * of far fewer pixels is smooth between them: twice its resolution tells its mean. */
 size_t Corrector::stride(size_t pixels, size_t map_pixels) const
 {
     if (job_.correction.reading == LCOR_READING_TEXEL || rows_.has_alpha())
@@ -192,7 +198,8 @@ size_t Corrector::stride(size_t pixels, size_t map_pixels) const
 }
 
 /* r of rows, for the mean of section 4.3. */
-void Corrector::add_rows(const lcor_plan *plan, Band &band, size_t y0, size_t y1, lcor_mean &mean) const
+void Corrector::add_rows(const lcor_plan *plan, Band &band, size_t y0, size_t y1,
+                         lcor_mean &mean) const
 {
     const size_t step_x = stride(reader_.width(), map_.columns());
     const size_t step_y = stride(reader_.height(), map_.rows());
@@ -225,7 +232,8 @@ void Corrector::add_rows(const lcor_plan *plan, Band &band, size_t y0, size_t y1
  * reading r = E rho, so rho is a factor of the mean and can be learnt in the same pass. */
 void Corrector::find_means()
 {
-    const bool texel = job_.correction.reading == LCOR_READING_TEXEL && !job_.correction.conventional;
+    const bool texel =
+        job_.correction.reading == LCOR_READING_TEXEL && !job_.correction.conventional;
     const bool wants_mean = !job_.correction.given_mean() && !job_.correction.conventional;
     const bool wants_rho = !texel && (!job_.rho || job_.measured);
     const lcor_mean_method method = job_.correction.mean_method();
@@ -356,17 +364,22 @@ Exit run_correct(const Arguments &arguments)
 {
     Job job;
     int thread_count = 0;
-    Options options("lcor correct TEXTURE --illuminance MAP -o OUT (--profile F | --contrast C) [options]",
-                    "Correct the lightness of a picture that lies under an illuminance map, for a device\n"
-                    "of limited contrast. The map is a picture of any size, linear, in any unit.");
-    options.text("--illuminance", "MAP", job.map, "illuminance as a picture (float, or linear integers)")
+    Options options(
+        "lcor correct TEXTURE --illuminance MAP -o OUT (--profile F | --contrast C) [options]",
+        "Correct the lightness of a picture that lies under an illuminance map, for a device\n"
+        "of limited contrast. The map is a picture of any size, linear, in any unit.");
+    options
+        .text("--illuminance", "MAP", job.map,
+              "illuminance as a picture (float, or linear integers)")
         .text("-o", "OUT", job.output, "picture to write; its extension gives the format");
     job.device.declare(options);
-    options.number("--rho", "R", job.rho, "reflectance of the surface, default the picture's mean Y")
+    options
+        .number("--rho", "R", job.rho, "reflectance of the surface, default the picture's mean Y")
         .number("--measured", "R", job.measured,
                 "as --rho, and scale the picture from its mean Y to R (section 5.2)");
     job.correction.declare(options);
-    options.choice("--depth", {"same", "8", "16", "half", "float"}, job.depth, "samples of the output")
+    options
+        .choice("--depth", {"same", "8", "16", "half", "float"}, job.depth, "samples of the output")
         .count("--threads", "N", thread_count, "default: as many as the machine has");
     if (!options.parse(arguments))
         return Exit::ok;
@@ -381,6 +394,7 @@ Exit run_correct(const Arguments &arguments)
         fail(Exit::usage, "--rho and --measured exclude each other");
     if (job.correction.conventional && !job.device.given())
         job.device.contrast = 2.0; /* eq 19 knows no device */
+    job.correction.mean_method();  /* says at once what is wrong with --mean */
     Threads threads(thread_count);
     OIIO::attribute("threads", threads.count());
     const Json report = Corrector(job, threads).run();

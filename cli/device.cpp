@@ -26,9 +26,10 @@ void DeviceOptions::declare(Options &options)
 Device DeviceOptions::load() const
 {
     if (profile.empty() == !contrast)
-        fail(Exit::usage, profile.empty()
-                              ? "which device? give --profile FILE (measured by lccal) or --contrast C"
-                              : "--profile and --contrast exclude each other");
+        fail(Exit::usage,
+             profile.empty()
+                 ? "which device? give --profile FILE (measured by lccal) or --contrast C"
+                 : "--profile and --contrast exclude each other");
     Device device;
     if (contrast) {
         if (!(*contrast > 1.0))
@@ -64,8 +65,9 @@ void CorrectionOptions::declare(Options &options, bool with_space)
 {
     if (with_space)
         options.choice("--space", {"ntsc", "srgb"}, space, "primaries: eq 1, or sRGB (default)");
-    options.choice("--reading", {"patch", "texel"}, reading,
-                   "what rho of r = alpha rho is: the surface's mean, or each texel's own")
+    options
+        .choice("--reading", {"patch", "texel"}, reading,
+                "what rho of r = alpha rho is: the surface's mean, or each texel's own")
         .text("--mean", "adaptive|literal|NUMBER", mean, "how r is averaged, or its mean")
         .number("--exponent", "T", exponent, "t of eq 8, default 1")
         .text("--transfer", "linear|srgb|gamma=G", transfer,

@@ -174,7 +174,8 @@ std::string read_bytes(const std::string &path, uint64_t size, Exit missing)
     std::string bytes;
     struct stat info = {};
     if (fstat(fd, &info) == 0 && S_ISREG(info.st_mode))
-        bytes.reserve(static_cast<size_t>(std::min<uint64_t>(static_cast<uint64_t>(info.st_size), size)));
+        bytes.reserve(
+            static_cast<size_t>(std::min<uint64_t>(static_cast<uint64_t>(info.st_size), size)));
     char chunk[65536];
     int error = 0;
     while (bytes.size() < size && error == 0) {

@@ -13,7 +13,13 @@ namespace
 
 using Vec = std::array<double, 3>;
 
-enum { FLOAT = 5126, UNSIGNED_SHORT = 5123, LINEAR = 9729, LINEAR_MIPMAP_LINEAR = 9987, REPEAT = 10497 };
+enum {
+    FLOAT = 5126,
+    UNSIGNED_SHORT = 5123,
+    LINEAR = 9729,
+    LINEAR_MIPMAP_LINEAR = 9987,
+    REPEAT = 10497
+};
 
 Vec minus(const Vec &a, const Vec &b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
@@ -101,7 +107,8 @@ int GlbWriter::add_material(const std::string &name, double rho, int texture)
         surface["baseColorTexture"] = {{"index", texture}};
     else
         surface["baseColorFactor"] = {rho, rho, rho, 1.0};
-    document_["materials"].push_back({{"name", name}, {"pbrMetallicRoughness", std::move(surface)}});
+    document_["materials"].push_back(
+        {{"name", name}, {"pbrMetallicRoughness", std::move(surface)}});
     return static_cast<int>(document_["materials"].size()) - 1;
 }
 

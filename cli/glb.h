@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Writing small glTF scenes: parallelograms, pictures, lights and cameras into one .glb or .gltf. */
+/* Writing small glTF scenes: parallelograms, pictures, lights and cameras into one .glb or .gltf.
+ */
 #ifndef LCOR_CLI_GLB_H
 #define LCOR_CLI_GLB_H
 

@@ -72,7 +72,8 @@ class Walker
     std::vector<int> roots() const
     {
         if (!model_.scenes.empty()) {
-            const size_t wanted = model_.defaultScene > 0 ? static_cast<size_t>(model_.defaultScene) : 0;
+            const size_t wanted =
+                model_.defaultScene > 0 ? static_cast<size_t>(model_.defaultScene) : 0;
             if (wanted >= model_.scenes.size())
                 fail(Exit::input, "scene '%s': it names scene %zu, which is not there",
                      file_.name.c_str(), wanted);
@@ -110,10 +111,22 @@ class Walker
                  * made unit again, so that numbers agree with theirs. Broken ones are. */
                 const double norm = x * x + y * y + z * z + w * w;
                 const double s = std::fabs(norm - 1.0) < 1e-3 ? 2.0 : 2.0 / std::max(norm, 1e-300);
-                out.m = {1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w), 0,
-                         s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w), 0,
-                         s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y), 0,
-                         0, 0, 0, 1};
+                out.m = {1 - s * (y * y + z * z),
+                         s * (x * y + z * w),
+                         s * (x * z - y * w),
+                         0,
+                         s * (x * y - z * w),
+                         1 - s * (x * x + z * z),
+                         s * (y * z + x * w),
+                         0,
+                         s * (x * z + y * w),
+                         s * (y * z - x * w),
+                         1 - s * (x * x + y * y),
+                         0,
+                         0,
+                         0,
+                         0,
+                         1};
             }
             for (size_t c = 0; node.scale.size() == 3 && c < 3; c++)
                 for (size_t r = 0; r < 3; r++)
@@ -123,8 +136,8 @@ class Walker
         }
         for (const double value : out.m)
             if (!std::isfinite(value))
-                fail(Exit::input, "scene '%s', %s: its transform is not finite",
-                     file_.name.c_str(), node_name(index).c_str());
+                fail(Exit::input, "scene '%s', %s: its transform is not finite", file_.name.c_str(),
+                     node_name(index).c_str());
         return out;
     }
 
@@ -168,12 +181,13 @@ class Walker
         if (node.mesh < 0)
             return;
         if (static_cast<size_t>(node.mesh) >= model_.meshes.size())
-            fail(Exit::input, "scene '%s', %s: no mesh %d", file_.name.c_str(), name.c_str(), node.mesh);
+            fail(Exit::input, "scene '%s', %s: no mesh %d", file_.name.c_str(), name.c_str(),
+                 node.mesh);
         const tinygltf::Mesh &mesh = model_.meshes[static_cast<size_t>(node.mesh)];
         for (size_t i = 0; i < mesh.primitives.size(); i++)
-            convert_primitive(mesh.primitives[i], mesh, node,
-                              mesh.primitives.size() > 1 ? name + format(", primitive %zu", i) : name,
-                              world);
+            convert_primitive(
+                mesh.primitives[i], mesh, node,
+                mesh.primitives.size() > 1 ? name + format(", primitive %zu", i) : name, world);
     }
 
     /* "lcor_patches": [nu, nv] or n; "lcor_reflectance": rho. The primitive's own, else the mesh's,
@@ -188,7 +202,8 @@ class Walker
                 const tinygltf::Value &part = value.ArrayLen() == 2 ? value.Get(i) : value;
                 const double n = part.IsNumber() ? part.GetNumberAsDouble() : 0.0;
                 if (!(n >= 1.0 && n <= 4096.0 && n == std::floor(n)))
-                    fail(Exit::input, "scene '%s', %s: lcor_patches must be [nu, nv], each 1 to 4096",
+                    fail(Exit::input,
+                         "scene '%s', %s: lcor_patches must be [nu, nv], each 1 to 4096",
                          file_.name.c_str(), group.name.c_str());
                 group.patches[static_cast<size_t>(i)] = static_cast<size_t>(n);
             }
@@ -234,7 +249,8 @@ class Walker
         /* Few vertices cost something too: reading starts anew for each primitive. */
         vertices_read_ += vertices.size() + 64;
         if (vertices_read_ > vertex_limit)
-            fail(Exit::input, "scene '%s': more than %zu vertices", file_.name.c_str(), vertex_limit);
+            fail(Exit::input, "scene '%s': more than %zu vertices", file_.name.c_str(),
+                 vertex_limit);
         add_triangles(primitive, vertices, group, world.determinant() < 0.0);
     }
 
@@ -250,8 +266,9 @@ class Walker
         const Accessor positions = read_accessor(file_, position_index, 3);
         std::vector<Vertex> vertices(positions.count, {{}, {0.0, 0.0}, {1.0, 1.0, 1.0}});
         for (size_t i = 0; i < positions.count; i++)
-            vertices[i].position = world.point(
-                {positions.values[3 * i], positions.values[3 * i + 1], positions.values[3 * i + 2]});
+            vertices[i].position =
+                world.point({positions.values[3 * i], positions.values[3 * i + 1],
+                             positions.values[3 * i + 2]});
         const UvSource source = uv_source(file_, primitive.material);
         const int uv_index = attribute(format("TEXCOORD_%d", source.set));
         if (uv_index >= 0) {
@@ -267,10 +284,12 @@ class Walker
         const int colour_index = attribute("COLOR_0");
         if (colour_index >= 0) {
             const Accessor colours = read_accessor(file_, colour_index, 0);
-            for (size_t i = 0; colours.components >= 3 && i < std::min(colours.count, vertices.size()); i++)
+            for (size_t i = 0;
+                 colours.components >= 3 && i < std::min(colours.count, vertices.size()); i++)
                 for (size_t c = 0; c < 3; c++) {
                     const double value = colours.values[i * colours.components + c];
-                    vertices[i].colour[c] = std::isfinite(value) ? std::clamp(value, 0.0, 1.0) : 0.0;
+                    vertices[i].colour[c] =
+                        std::isfinite(value) ? std::clamp(value, 0.0, 1.0) : 0.0;
                 }
         }
         if (attribute("COLOR_1") >= 0)
@@ -295,9 +314,12 @@ class Walker
                      group.name.c_str(), index, vertices.size());
         const bool list = primitive.mode == TINYGLTF_MODE_TRIANGLES;
         const bool fan = primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN;
-        const size_t count = list ? indices.size() / 3 : indices.size() < 3 ? 0 : indices.size() - 2;
+        const size_t count = list                 ? indices.size() / 3
+                             : indices.size() < 3 ? 0
+                                                  : indices.size() - 2;
         if (count > triangle_limit - std::min(contents_.triangles.size(), triangle_limit))
-            fail(Exit::input, "scene '%s': more than %zu triangles", file_.name.c_str(), triangle_limit);
+            fail(Exit::input, "scene '%s': more than %zu triangles", file_.name.c_str(),
+                 triangle_limit);
         contents_.groups.push_back(group);
         for (size_t i = 0; i < count; i++) {
             size_t a = list ? 3 * i : fan ? 0 : i;
@@ -305,9 +327,9 @@ class Walker
             /* Every other triangle of a strip turns the other way. */
             if ((!list && !fan && i % 2 == 1) != mirrored)
                 std::swap(b, c);
-            contents_.triangles.push_back({{vertices[indices[a]], vertices[indices[b]],
-                                            vertices[indices[c]]},
-                                           contents_.groups.size() - 1});
+            contents_.triangles.push_back(
+                {{vertices[indices[a]], vertices[indices[b]], vertices[indices[c]]},
+                 contents_.groups.size() - 1});
         }
     }
 
@@ -322,8 +344,9 @@ class Walker
 void name_extensions(const tinygltf::Model &model, Contents &contents)
 {
     static const std::set<std::string> understood{
-        "KHR_lights_punctual",   "KHR_materials_emissive_strength", "KHR_texture_transform",
-        "KHR_mesh_quantization", "EXT_texture_webp",                "KHR_xmp_json_ld"};
+        "KHR_lights_punctual",   "KHR_materials_emissive_strength",
+        "KHR_texture_transform", "KHR_mesh_quantization",
+        "EXT_texture_webp",      "KHR_xmp_json_ld"};
     for (const std::string &name : model.extensionsUsed)
         if (understood.count(name) == 0)
             contents.unsupported.insert("extension " + name);

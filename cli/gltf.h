@@ -113,7 +113,8 @@ Accessor read_accessor(const ModelFile &file, int index, size_t components);
 std::vector<uint32_t> read_indices(const ModelFile &file, int index);
 
 void convert_materials(const ModelFile &file, Contents &contents, Threads &threads);
-/* Texture coordinates of a material: which TEXCOORD set, and KHR_texture_transform (row-major 2x3). */
+/* Texture coordinates of a material: which TEXCOORD set, and KHR_texture_transform (row-major 2x3).
+ */
 struct UvSource {
     int set = 0;
     std::array<double, 6> transform{1, 0, 0, 0, 1, 0};

@@ -87,20 +87,20 @@ void apply_sparse(const ModelFile &file, int index, const tinygltf::Accessor &ac
         fail(Exit::input, "scene '%s', accessor %d: broken sparse part", file.name.c_str(), index);
     size_t index_step, step;
     const unsigned char *const indices =
-        locate(file, index, sparse.indices.bufferView, static_cast<size_t>(sparse.indices.byteOffset),
-               count, index_size, &index_step);
+        locate(file, index, sparse.indices.bufferView,
+               static_cast<size_t>(sparse.indices.byteOffset), count, index_size, &index_step);
     const unsigned char *const values =
         locate(file, index, sparse.values.bufferView, static_cast<size_t>(sparse.values.byteOffset),
                count, size * out.components, &step);
     for (size_t i = 0; i < count; i++) {
-        const double at = read_component(indices + i * index_step, sparse.indices.componentType, false);
+        const double at =
+            read_component(indices + i * index_step, sparse.indices.componentType, false);
         if (!(at >= 0.0 && at < static_cast<double>(out.count)))
             fail(Exit::input, "scene '%s', accessor %d: sparse index out of range",
                  file.name.c_str(), index);
         for (size_t c = 0; c < out.components; c++)
-            out.values[static_cast<size_t>(at) * out.components + c] =
-                read_component(values + i * step + c * size, accessor.componentType,
-                               accessor.normalized);
+            out.values[static_cast<size_t>(at) * out.components + c] = read_component(
+                values + i * step + c * size, accessor.componentType, accessor.normalized);
     }
 }
 

@@ -149,10 +149,10 @@ void read_model(const std::string &bytes, const std::string &folder, ModelFile &
     bool good = false;
     try {
         if (binary)
-            good = loader.LoadBinaryFromMemory(
-                file.model.get(), &error, &warning,
-                reinterpret_cast<const unsigned char *>(padded.data()),
-                static_cast<unsigned>(bytes.size()), folder);
+            good =
+                loader.LoadBinaryFromMemory(file.model.get(), &error, &warning,
+                                            reinterpret_cast<const unsigned char *>(padded.data()),
+                                            static_cast<unsigned>(bytes.size()), folder);
         else
             good = loader.LoadASCIIFromString(file.model.get(), &error, &warning, padded.data(),
                                               static_cast<unsigned>(bytes.size()), folder);

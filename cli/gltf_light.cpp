@@ -91,7 +91,8 @@ void convert_camera(const ModelFile &file, int index, const Transform &world,
         out.camera.z_far = from.perspective.zfar;
     }
     const auto sound = [](double value) { return std::isfinite(value) && value > 0.0; };
-    if (!sound(orthographic ? out.camera.height : out.camera.fov_y) || out.camera.fov_y >= 2.0 * half_pi) {
+    if (!sound(orthographic ? out.camera.height : out.camera.fov_y) ||
+        out.camera.fov_y >= 2.0 * half_pi) {
         warn("scene '%s': camera '%s' has no usable angle or size; left out", file.name.c_str(),
              out.name.c_str());
         return;

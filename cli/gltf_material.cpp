@@ -71,8 +71,10 @@ Material convert(const ModelFile &file, const tinygltf::Material &from)
     read_factor(from.pbrMetallicRoughness.baseColorFactor, 4, 1.0, material.colour);
     material.texture = usable(file, from.pbrMetallicRoughness.baseColorTexture.index);
     read_factor(from.emissiveFactor, 3, 1e9, material.emission);
-    const double strength = clamped(extension_number(from.extensions, "KHR_materials_emissive_strength",
-                                                     "emissiveStrength", 1.0), 0.0, 1e9);
+    const double strength =
+        clamped(extension_number(from.extensions, "KHR_materials_emissive_strength",
+                                 "emissiveStrength", 1.0),
+                0.0, 1e9);
     for (double &channel : material.emission)
         channel *= strength;
     material.emission_texture = usable(file, from.emissiveTexture.index);
@@ -90,9 +92,9 @@ Wrap convert_wrap(int wrap)
 /* -1 when its picture is of a kind glTF does not know or is missing. */
 int image_of(const ModelFile &file, const tinygltf::Texture &texture)
 {
-    int source = static_cast<int>(
-        std::clamp(extension_number(texture.extensions, "EXT_texture_webp", "source", texture.source),
-                   -1.0, 1e9));
+    int source = static_cast<int>(std::clamp(
+        extension_number(texture.extensions, "EXT_texture_webp", "source", texture.source), -1.0,
+        1e9));
     return source >= 0 && static_cast<size_t>(source) < file.model->images.size() ? source : -1;
 }
 
@@ -108,7 +110,8 @@ Texture convert(const ModelFile &file, const tinygltf::Texture &from, size_t ima
     return texture;
 }
 
-/* Decode pictures that are drawn, several at a time. `problems` gets what went wrong, if anything. */
+/* Decode pictures that are drawn, several at a time. `problems` gets what went wrong, if anything.
+ */
 void decode(const ModelFile &file, const std::vector<int> &wanted, Contents &contents,
             Threads &threads, std::vector<std::string> &problems)
 {
@@ -154,7 +157,8 @@ void convert_materials(const ModelFile &file, Contents &contents, Threads &threa
     contents.measured.push_back(-1.0);
 
     /* Only textures that are drawn, each picture once. */
-    std::vector<int> wanted, image_at(model.images.size(), -1), texture_at(model.textures.size(), -1);
+    std::vector<int> wanted, image_at(model.images.size(), -1),
+        texture_at(model.textures.size(), -1);
     const auto place = [&](int texture) {
         const int source =
             texture < 0 ? -1 : image_of(file, model.textures[static_cast<size_t>(texture)]);
@@ -228,12 +232,13 @@ UvSource uv_source(const ModelFile &file, int material)
     pair("scale", 1.0, scale);
     const double angle =
         extension_number(info.extensions, "KHR_texture_transform", "rotation", 0.0);
-    const double set = extension_number(info.extensions, "KHR_texture_transform", "texCoord",
-                                        source.set);
+    const double set =
+        extension_number(info.extensions, "KHR_texture_transform", "texCoord", source.set);
     source.set = static_cast<int>(std::clamp(set, 0.0, 1e6));
     const double c = std::cos(angle), s = std::sin(angle);
     /* The extension's translation * rotation * scale. */
-    source.transform = {c * scale[0], s * scale[1], offset[0], -s * scale[0], c * scale[1], offset[1]};
+    source.transform = {c * scale[0],  s * scale[1], offset[0],
+                        -s * scale[0], c * scale[1], offset[1]};
     return source;
 }
 

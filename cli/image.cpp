@@ -16,7 +16,8 @@ namespace
 
 using InputPointer = std::unique_ptr<OIIO::ImageInput>;
 
-/* A header may promise more than its file holds: no coding of real pictures shrinks them further. */
+/* A header may promise more than its file holds: no coding of real pictures shrinks them further.
+ */
 constexpr uint64_t largest_ratio = 2048, ratio_floor = uint64_t(1) << 22;
 
 /* OpenImageIO says much on several lines; the first sentence is what people need. */
@@ -69,7 +70,8 @@ OIIO::ImageSpec open_hints()
     return hints;
 }
 
-/* Name whose extension lets OpenImageIO start with the right reader, for the kinds glTF may hold. */
+/* Name whose extension lets OpenImageIO start with the right reader, for the kinds glTF may hold.
+ */
 const char *hint_name(const uint8_t *bytes, size_t size)
 {
     const auto starts = [&](size_t offset, const char *magic, size_t length) {
@@ -105,7 +107,8 @@ Image read_image(const std::string &path, uint64_t max_pixels)
     const OIIO::ImageSpec hints = open_hints();
     const InputPointer input = OIIO::ImageInput::open(path, &hints);
     if (!input)
-        fail(Exit::input, "cannot read '%s': %s", path.c_str(), first_line(OIIO::geterror()).c_str());
+        fail(Exit::input, "cannot read '%s': %s", path.c_str(),
+             first_line(OIIO::geterror()).c_str());
     return read_opened(*input, path, max_pixels, 0);
 }
 

@@ -24,8 +24,8 @@ struct Image {
     double sample(size_t x, size_t y, size_t channel) const;
 };
 
-/* Decode a picture file, or bytes of one (its kind is found from the bytes). `name` is for messages.
- * Exit::input when missing, broken, or larger than `max_pixels`. */
+/* Decode a picture file, or bytes of one (its kind is found from the bytes). `name` is for
+ * messages. Exit::input when missing, broken, or larger than `max_pixels`. */
 Image read_image(const std::string &path, uint64_t max_pixels = uint64_t(1) << 28);
 Image decode_image(const uint8_t *bytes, size_t size, const std::string &name,
                    uint64_t max_pixels = uint64_t(1) << 28);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* `lcor info`: what a profile, scene or picture holds. */
 #include "gltf.h"
-#include "stream.h"
 #include "pixels.h"
+#include "stream.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,17 +16,23 @@ namespace
 
 enum class Kind { scene, profile, picture };
 
-Kind kind_of(const std::string &start)
+Kind kind_of(const std::string &path, const std::string &start)
 {
+    for (const char *extension : {".gltf", ".glb"})
+        if (path.size() > 5 && path.find(extension, path.size() - 5) != std::string::npos)
+            return Kind::scene;
     const size_t first = start.find_first_not_of(" \t\r\n\xef\xbb\xbf");
     if (start.compare(0, 4, "glTF") == 0 || (first != std::string::npos && start[first] == '{'))
         return Kind::scene;
     /* Portable anymaps and Radiance pictures begin with text. */
-    const bool anymap = start.size() > 2 && start[0] == 'P' && std::strchr("1234567fFzZ", start[1]) &&
-                        std::strchr(" \t\r\n#", start[2]);
-    const bool binary = std::any_of(start.begin(), start.end(), [](char c) {
-        return static_cast<unsigned char>(c) < ' ' && !std::strchr("\t\r\n\f", c);
-    }) || start.find('\0') != std::string::npos;
+    const bool anymap = start.size() > 2 && start[0] == 'P' &&
+                        std::strchr("1234567fFzZ", start[1]) && std::strchr(" \t\r\n#", start[2]);
+    const bool binary =
+        std::any_of(start.begin(), start.end(),
+                    [](char c) {
+                        return static_cast<unsigned char>(c) < ' ' && !std::strchr("\t\r\n\f", c);
+                    }) ||
+        start.find('\0') != std::string::npos;
     return binary || anymap || start.compare(0, 2, "#?") == 0 ? Kind::picture : Kind::profile;
 }
 
@@ -77,7 +83,8 @@ Json scene_info(const std::string &path)
         const SurfaceInfo &surface = scene.surfaces[i];
         size_t n = 0;
         lcor_error error = {};
-        check(lcor_scene_patch_count(scene.scene.get(), i, &n, &error), error, Exit::failed, "patches");
+        check(lcor_scene_patch_count(scene.scene.get(), i, &n, &error), error, Exit::failed,
+              "patches");
         patches += n;
         area += surface.area;
         reflected += surface.area * surface.reflectance;
@@ -128,7 +135,9 @@ Json picture_info(const std::string &path)
             {"height", picture.height()},
             {"channels", picture.channels()},
             {"samples", spec.format.c_str()},
-            {"alpha", spec.alpha_channel < 0 ? "none" : picture.premultiplied() ? "premultiplied" : "straight"},
+            {"alpha", spec.alpha_channel < 0    ? "none"
+                      : picture.premultiplied() ? "premultiplied"
+                                                : "straight"},
             {"icc_profile", spec.get_string_attribute("ICCProfile:profile_description")},
             {"reflectance", luminance.mean()}};
 }
@@ -160,7 +169,7 @@ Exit run_info(const Arguments &arguments)
         return Exit::ok;
     const std::string path = options.operand("a file");
     Json info{{"file", path}};
-    switch (kind_of(read_start(path, 4096))) {
+    switch (kind_of(path, read_start(path, 4096))) {
     case Kind::scene: info.update(scene_info(path)); break;
     case Kind::profile: info.update(profile_info(path)); break;
     case Kind::picture: info.update(picture_info(path)); break;

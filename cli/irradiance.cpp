@@ -116,7 +116,8 @@ std::string points_table(const Scene &scene, const lcor_solution *solution, cons
     std::string text =
         (points.header.empty() ? "x,y,z,nx,ny,nz" : points.header) + value_header(channels);
     for (size_t i = 0; i < n; i++)
-        text += points.lines[i] + values_text(scene, &direct[i * step], &total[i * step], channels) + "\n";
+        text += points.lines[i] +
+                values_text(scene, &direct[i * step], &total[i * step], channels) + "\n";
     return text;
 }
 
@@ -130,12 +131,15 @@ std::string patches_table(const Scene &scene, const lcor_solution *solution, siz
     *count = 0;
     for (size_t s = 0; s < scene.surfaces.size(); s++) {
         size_t n = 0;
-        check(lcor_scene_patch_count(scene.scene.get(), s, &n, &error), error, Exit::failed, "patches");
+        check(lcor_scene_patch_count(scene.scene.get(), s, &n, &error), error, Exit::failed,
+              "patches");
         std::vector<double> centre(3 * n), area(n), direct(n * step), total(n * step);
         double normal[3];
-        check(lcor_scene_patch_geometry(scene.scene.get(), s, centre.data(), area.data(), normal, &error),
+        check(lcor_scene_patch_geometry(scene.scene.get(), s, centre.data(), area.data(), normal,
+                                        &error),
               error, Exit::failed, "patches");
-        check(lcor_solution_patches(solution, s, LCOR_VALUE_AVERAGE, total.data(), direct.data(), &error),
+        check(lcor_solution_patches(solution, s, LCOR_VALUE_AVERAGE, total.data(), direct.data(),
+                                    &error),
               error, Exit::failed, "patches");
         const SurfaceInfo &info = scene.surfaces[s];
         size_t i = 0, j = 0;
@@ -166,22 +170,29 @@ Exit run_irradiance(const Arguments &arguments)
     SolveOptions solve_options;
     std::string points_path, patches_path, output, report_path;
     int thread_count = 0;
-    Options options("lcor irradiance SCENE --points P.csv -o E.csv [options]\n"
-                    "       lcor irradiance SCENE --patches E.csv [options]",
-                    "Illuminance (lux, for candela and metres) at points with normals, or the mean over\n"
-                    "every patch. E_direct is the light of lamps without area, E_total adds emitting\n"
-                    "surfaces and interreflection.");
+    Options options(
+        "lcor irradiance SCENE --points P.csv -o E.csv [options]\n"
+        "       lcor irradiance SCENE --patches E.csv [options]",
+        "Illuminance (lux, for candela and metres) at points with normals, or the mean over\n"
+        "every patch. E_direct is the light of lamps without area, E_total adds emitting\n"
+        "surfaces and interreflection.");
     options.text("--points", "P.csv", points_path, "columns x,y,z,nx,ny,nz; others are kept")
         .text("-o", "E.csv", output, "where the points go, with E_direct,E_total added")
-        .custom("--patches", "E.csv|N", [&](const std::string &value) {
-            const std::optional<double> n = parse_number(value);
-            if (!n)
-                patches_path = value;
-            else if (*n >= 1.0 && *n <= 4096.0 && *n == std::floor(*n))
-                scene_options.patches = static_cast<int>(*n);
-            else
-                fail(Exit::usage, "--patches wants a file for the patches, or their number 1..4096 along an edge, not '%s'", value.c_str());
-        }, "write every patch to E.csv; N sets N x N patches a surface (both may be given)")
+        .custom(
+            "--patches", "E.csv|N",
+            [&](const std::string &value) {
+                const std::optional<double> n = parse_number(value);
+                if (!n)
+                    patches_path = value;
+                else if (*n >= 1.0 && *n <= 4096.0 && *n == std::floor(*n))
+                    scene_options.patches = static_cast<int>(*n);
+                else
+                    fail(Exit::usage,
+                         "--patches wants a file for the patches, or their number 1..4096 along an "
+                         "edge, not '%s'",
+                         value.c_str());
+            },
+            "write every patch to E.csv; N sets N x N patches a surface (both may be given)")
         .text("--report", "R.json", report_path, "write the solver's report");
     scene_options.declare_light(options);
     solve_options.declare(options);

@@ -141,7 +141,8 @@ void Progress::report(double done)
     const double left = done > 0.01 ? (now - start_) * (1.0 - done) / done : -1.0;
     std::fprintf(stderr, "\r\033[K%s: %3.0f %%", what_.c_str(), 100.0 * done);
     if (left >= 60.0)
-        std::fprintf(stderr, ", %ld min %ld s left", std::lround(left) / 60, std::lround(left) % 60);
+        std::fprintf(stderr, ", %ld min %ld s left", std::lround(left) / 60,
+                     std::lround(left) % 60);
     else if (left >= 0.0)
         std::fprintf(stderr, ", %ld s left", std::lround(left));
     std::fflush(stderr);

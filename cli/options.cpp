@@ -158,7 +158,8 @@ bool Options::parse(const Arguments &arguments)
             std::printf("lcor %s\n", lcor_version());
             return false;
         }
-        const size_t equals = argument.compare(0, 2, "--") == 0 ? argument.find('=') : argument.npos;
+        const size_t equals =
+            argument.compare(0, 2, "--") == 0 ? argument.find('=') : argument.npos;
         const std::string name = argument.substr(0, equals);
         Entry *const entry = find(name);
         if (!entry)

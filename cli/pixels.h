@@ -62,7 +62,7 @@ class LuminanceSum
   private:
     const lcor_colour &colour_;
     const PixelRows &rows_;
-    std::vector<double> table_[3]; /* of 8-bit samples: a channel's part of Y */
+    std::vector<double> table_[3];           /* of 8-bit samples: a channel's part of Y */
     std::vector<double> luminance_, weight_; /* per row, so that threads change no bit */
 };
 

@@ -25,8 +25,8 @@ struct Face {
 };
 
 /* z is up. The order and the letters are those of the reference solution; every face looks inwards
- * (edge_u x edge_v). The lower edge of a wall's picture lies on the floor; floor and ceiling are seen
- * by someone who looks along +y. */
+ * (edge_u x edge_v). The lower edge of a wall's picture lies on the floor; floor and ceiling are
+ * seen by someone who looks along +y. */
 const Face faces[6] = {
     {"floor", {0, 0, 0}, 0, 1, {{0, 1}, {1, 1}, {1, 0}, {0, 0}}},
     {"ceiling", {0, 0, 1}, 1, 0, {{0, 0}, {0, 1}, {1, 1}, {1, 0}}},
@@ -57,7 +57,8 @@ size_t face_index(const std::string &name)
     for (size_t i = 0; i < 6; i++)
         if (name == faces[i].name)
             return i;
-    fail(Exit::usage, "--texture: no face '%s'; there are floor, ceiling, x0, x1, y0, y1", name.c_str());
+    fail(Exit::usage, "--texture: no face '%s'; there are floor, ceiling, x0, x1, y0, y1",
+         name.c_str());
 }
 
 /* FACE=FILE; one file on several faces is stored once. */
@@ -76,7 +77,8 @@ std::array<int, 6> add_textures(const RoomOptions &options, GlbWriter &glb)
             const std::string bytes = read_file(path, uint64_t(1) << 30);
             const char *const mime = mime_of(bytes);
             if (!mime)
-                fail(Exit::input, "'%s' is neither JPEG nor PNG, and glTF holds no other pictures; convert it",
+                fail(Exit::input,
+                     "'%s' is neither JPEG nor PNG, and glTF holds no other pictures; convert it",
                      path.c_str());
             decode_image(reinterpret_cast<const uint8_t *>(bytes.data()), bytes.size(), path);
             const std::string name = path.substr(path.rfind('/') + 1);
@@ -90,7 +92,8 @@ std::array<int, 6> add_textures(const RoomOptions &options, GlbWriter &glb)
 double reflectance_of(double rho, const char *what)
 {
     if (!(rho >= 0.0 && rho < 1.0))
-        fail(Exit::usage, "%s: reflectance %s must lie in 0..1, below 1", what, number_text(rho).c_str());
+        fail(Exit::usage, "%s: reflectance %s must lie in 0..1, below 1", what,
+             number_text(rho).c_str());
     return rho;
 }
 
@@ -137,7 +140,8 @@ void add_boxes(const RoomOptions &options, GlbWriter &glb)
         materials.fill(glb.add_material(name, reflectance_of(n[6], "--box"), -1));
         std::array<double, 6> measured;
         measured.fill(-1.0);
-        add_faces(glb, low, high, name + "-", true, std::max(options.patches / 5, 1), materials, measured);
+        add_faces(glb, low, high, name + "-", true, std::max(options.patches / 5, 1), materials,
+                  measured);
     }
 }
 
@@ -152,14 +156,14 @@ void add_cameras(const RoomOptions &options, GlbWriter &glb)
         const size_t equals = options.cameras[i].find('=');
         const std::string name = equals == std::string::npos ? format("camera%zu", i + 1)
                                                              : options.cameras[i].substr(0, equals);
-        const std::vector<double> n =
-            parse_numbers(options.cameras[i].substr(equals == std::string::npos ? 0 : equals + 1), 7,
-                          "--camera");
+        const std::vector<double> n = parse_numbers(
+            options.cameras[i].substr(equals == std::string::npos ? 0 : equals + 1), 7, "--camera");
         const Vec eye{n[0], n[1], n[2]}, target{n[3], n[4], n[5]};
         const Vec sight{target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]};
         const double level = std::hypot(sight[0], sight[1]), far = std::hypot(level, sight[2]);
         if (!(far > 0.0) || !(n[6] > 0.0 && n[6] < 180.0))
-            fail(Exit::usage, "--camera %s: eye and target must differ, the angle lie in 0..180 degrees",
+            fail(Exit::usage,
+                 "--camera %s: eye and target must differ, the angle lie in 0..180 degrees",
                  options.cameras[i].c_str());
         /* Straight up or down, +y is at the top. */
         const Vec up = level > 1e-6 * far ? Vec{0.0, 0.0, 1.0} : Vec{0.0, 1.0, 0.0};
@@ -173,9 +177,11 @@ std::string make_room(const RoomOptions &options)
     const std::vector<double> light = parse_numbers(options.light, 4, "--light");
     for (size_t k = 0; k < 3; k++)
         if (!(light[k] > 0.0 && light[k] < 1.0))
-            fail(Exit::usage, "--light %s: the light must be inside the unit cube", options.light.c_str());
+            fail(Exit::usage, "--light %s: the light must be inside the unit cube",
+                 options.light.c_str());
     if (!(light[3] > 0.0))
-        fail(Exit::usage, "--light %s: the intensity must be greater than 0", options.light.c_str());
+        fail(Exit::usage, "--light %s: the intensity must be greater than 0",
+             options.light.c_str());
     GlbWriter glb(std::string("lcor ") + lcor_version());
     const std::array<int, 6> textures = add_textures(options, glb);
     std::array<int, 6> materials;
@@ -185,7 +191,8 @@ std::string make_room(const RoomOptions &options)
         materials[i] = glb.add_material(faces[i].name, rho[i], textures[i]);
         measured[i] = options.measured && textures[i] >= 0 ? rho[i] : -1.0;
     }
-    add_faces(glb, {0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, "", false, options.patches, materials, measured);
+    add_faces(glb, {0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, "", false, options.patches, materials,
+              measured);
     add_boxes(options, glb);
     glb.add_point_light("light", {light[0], light[1], light[2]}, light[3]);
     add_cameras(options, glb);
@@ -204,30 +211,34 @@ std::string paper_room(int patches)
 Exit run_room(const Arguments &arguments)
 {
     RoomOptions room;
-    Options options("lcor room -o ROOM.glb [options]",
-                    "Write the room of the paper's Table 3 as a glTF scene: the unit cube seen from\n"
-                    "inside, z up, faces floor, ceiling, x0, x1, y0, y1, one point light, and the two\n"
-                    "cameras of Figure 4, `side` and `above`.");
+    Options options(
+        "lcor room -o ROOM.glb [options]",
+        "Write the room of the paper's Table 3 as a glTF scene: the unit cube seen from\n"
+        "inside, z up, faces floor, ceiling, x0, x1, y0, y1, one point light, and the two\n"
+        "cameras of Figure 4, `side` and `above`.");
     options.text("-o", "FILE", room.output, "the scene to write (.glb)")
         .text("--light", "x,y,z,I", room.light, "position and candela, default 0.3,0.4,0.7,1")
         .text("--reflectance", "f,c,x0,x1,y0,y1", room.reflectance,
               "of the faces, default 0.3,0.8,0.5,0.5,0.5,0.5 or the mean of their textures")
-        .list("--texture", "FACE=FILE", room.textures, "put a JPEG or PNG on a face; may be repeated")
+        .list("--texture", "FACE=FILE", room.textures,
+              "put a JPEG or PNG on a face; may be repeated")
         .count("--patches", "N", room.patches, "N x N patches on each face, default 50")
-        .list("--box", "x0,x1,y0,y1,z0,z1,rho", room.boxes, "put a box into the room; may be repeated")
+        .list("--box", "x0,x1,y0,y1,z0,z1,rho", room.boxes,
+              "put a box into the room; may be repeated")
         .list("--camera", "[NAME=]x,y,z,tx,ty,tz,deg", room.cameras,
               "one more camera: eye, target, vertical angle; may be repeated");
     if (!options.parse(arguments))
         return Exit::ok;
     if (!options.operands().empty())
-        fail(Exit::usage, "'%s' is left over; lcor room takes options only", options.operands()[0].c_str());
+        fail(Exit::usage, "'%s' is left over; lcor room takes options only",
+             options.operands()[0].c_str());
     if (room.output.empty())
         fail(Exit::usage, "where to? give -o ROOM.glb");
     room.measured = options.given("--reflectance");
     const std::string bytes = make_room(room);
     write_file(room.output, bytes);
-    say("%s: the paper's room, %d x %d patches a face, %zu textures", room.output.c_str(), room.patches,
-        room.patches, room.textures.size());
+    say("%s: the paper's room, %d x %d patches a face, %zu textures", room.output.c_str(),
+        room.patches, room.patches, room.textures.size());
     print_json({{"output", room.output}, {"bytes", bytes.size()}, {"patches", room.patches}});
     return Exit::ok;
 }

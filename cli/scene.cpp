@@ -182,17 +182,17 @@ class Builder
             surface.patches[k] = options_.patches > 0 ? static_cast<size_t>(options_.patches)
                                                       : std::max<size_t>(group.patches[k], 1);
         if (!shape.quad) /* cut into n x n triangles */
-            surface.patches[0] = surface.patches[1] = std::max(surface.patches[0], surface.patches[1]);
+            surface.patches[0] = surface.patches[1] =
+                std::max(surface.patches[0], surface.patches[1]);
         info.quad = shape.quad;
         info.patches = {surface.patches[0], surface.patches[1]};
         lcor_error error = {};
         const double *const origin = corner[0]->position.data();
-        check(shape.quad ? lcor_scene_add_quad(out_.scene.get(), origin, u.data(), v.data(), &surface,
-                                               nullptr, &error)
-                         : lcor_scene_add_triangle(out_.scene.get(), origin,
-                                                   corner[1]->position.data(),
-                                                   corner[2]->position.data(), &surface, nullptr,
-                                                   &error),
+        check(shape.quad
+                  ? lcor_scene_add_quad(out_.scene.get(), origin, u.data(), v.data(), &surface,
+                                        nullptr, &error)
+                  : lcor_scene_add_triangle(out_.scene.get(), origin, corner[1]->position.data(),
+                                            corner[2]->position.data(), &surface, nullptr, &error),
               error, Exit::input, "scene '" + name_ + "', " + group.name);
         grow_box(shape);
         out_.surfaces.push_back(std::move(info));
@@ -251,12 +251,14 @@ double Scene::luminance(const double *values, int value_channels) const
 void SceneOptions::declare(Options &table)
 {
     declare_light(table);
-    table.count("--patches", "N", patches, "N x N patches on every surface, whatever the file says");
+    table.count("--patches", "N", patches,
+                "N x N patches on every surface, whatever the file says");
 }
 
 void SceneOptions::declare_light(Options &table)
 {
-    table.choice("--space", {"ntsc", "srgb"}, space, "whose Y is luminance: eq 1, or sRGB (default)")
+    table
+        .choice("--space", {"ntsc", "srgb"}, space, "whose Y is luminance: eq 1, or sRGB (default)")
         .flag("--one-sided", one_sided, "surfaces reflect as the material's doubleSided flag says")
         .choice("--channels", {"auto", "1", "3"}, channels,
                 "1: white interreflection (the paper's); 3: colours bleed")

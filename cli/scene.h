@@ -28,10 +28,10 @@ using SolutionPointer = std::unique_ptr<lcor_solution, SolutionDeleter>;
 enum class Wrap { repeat, clamp, mirror };
 
 struct Texture {
-    size_t image;     /* index into Scene::images */
+    size_t image; /* index into Scene::images */
     Wrap wrap_u, wrap_v;
-    bool nearest;     /* the file asks for no filtering when magnified */
-    bool srgb;        /* samples are sRGB-encoded (integers); linear otherwise (floats) */
+    bool nearest; /* the file asks for no filtering when magnified */
+    bool srgb;    /* samples are sRGB-encoded (integers); linear otherwise (floats) */
 };
 
 struct Material {
@@ -50,12 +50,13 @@ struct SurfaceInfo {
     size_t material;
     double uv[3][2];
     double colour[3][3];
-    double reflectance;         /* rho [1] as solved: luminance */
-    double texture_reflectance; /* area mean of what is drawn: 5.2's factor is the ratio of the two */
+    double reflectance; /* rho [1] as solved: luminance */
+    double
+        texture_reflectance; /* area mean of what is drawn: 5.2's factor is the ratio of the two */
     double area;
-    bool quad;                /* else a triangle */
+    bool quad;                     /* else a triangle */
     std::array<size_t, 2> patches; /* grid; a triangle's two are equal */
-    std::string name; /* node and primitive, for messages */
+    std::string name;              /* node and primitive, for messages */
 };
 
 struct SceneCamera {
@@ -65,14 +66,14 @@ struct SceneCamera {
 };
 
 struct Scene {
-    ScenePointer scene; /* committed */
+    ScenePointer scene;                /* committed */
     std::vector<SurfaceInfo> surfaces; /* one for each surface of `scene` */
     std::vector<Material> materials;
     std::vector<Texture> textures;
     std::vector<Image> images;
     std::vector<SceneCamera> cameras;
-    int channels = 0;     /* for lcor_radiosity_options.channels */
-    lcor_colour colour;   /* linear, of --space: whose Y row luminance means */
+    int channels = 0;       /* for lcor_radiosity_options.channels */
+    lcor_colour colour;     /* linear, of --space: whose Y row luminance means */
     double low[3], high[3]; /* bounding box */
     size_t triangles = 0, dropped = 0, lights = 0, emitters = 0;
 
@@ -83,9 +84,9 @@ struct Scene {
 
 struct SceneOptions {
     int space = LCOR_PRIMARIES_SRGB;
-    int patches = 0;   /* grid of surfaces that name none, 0: 1 x 1 */
+    int patches = 0; /* grid of surfaces that name none, 0: 1 x 1 */
     bool one_sided = false;
-    int channels = 0;  /* index into {"auto", "1", "3"} */
+    int channels = 0;                /* index into {"auto", "1", "3"} */
     std::vector<std::string> lights; /* --light x,y,z,I */
     bool need_light = true;
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <tuple>
 #include <unordered_map>
 
 namespace cli
@@ -95,7 +95,8 @@ struct Edge {
 };
 
 /* All edges, those between the same two places together. */
-std::vector<Edge> sorted_edges(const std::vector<Triangle> &triangles, const std::vector<bool> &good)
+std::vector<Edge> sorted_edges(const std::vector<Triangle> &triangles,
+                               const std::vector<bool> &good)
 {
     Places places;
     std::vector<Edge> edges;
@@ -198,9 +199,10 @@ std::vector<Shape> make_shapes(const Contents &contents, const std::string &name
         if (chosen[i] != none)
             shapes.push_back(join(triangles, pairs[chosen[i]]));
         else if (good[i])
-            shapes.push_back({{triangles[i].corner[0], triangles[i].corner[1],
-                               triangles[i].corner[2], Vertex{}},
-                              false, triangles[i].group});
+            shapes.push_back(
+                {{triangles[i].corner[0], triangles[i].corner[1], triangles[i].corner[2], Vertex{}},
+                 false,
+                 triangles[i].group});
     }
     return shapes;
 }

@@ -15,9 +15,9 @@ struct Shape {
     size_t group;
 };
 
-/* Pairs of triangles that lie in one plane, share an edge, texture coordinates and colours, and make
- * a parallelogram become one; the most rectangular pairs first. Triangles without area are left out
- * and counted. Exit::input for coordinates that are no numbers. */
+/* Pairs of triangles that lie in one plane, share an edge, texture coordinates and colours, and
+ * make a parallelogram become one; the most rectangular pairs first. Triangles without area are
+ * left out and counted. Exit::input for coordinates that are no numbers. */
 std::vector<Shape> make_shapes(const Contents &contents, const std::string &name, size_t *dropped);
 
 /* Area means of what is drawn on a surface, linear RGB. */

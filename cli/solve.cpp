@@ -9,10 +9,13 @@ namespace cli
 void SolveOptions::declare(Options &options)
 {
     options
-        .number("--tolerance", "T", tolerance, "relative error of illuminance to reach, default 0.01")
-        .choice("--norm", {"rms", "max"}, norm, "over patches: root mean square (default) or largest")
+        .number("--tolerance", "T", tolerance,
+                "relative error of illuminance to reach, default 0.01")
+        .choice("--norm", {"rms", "max"}, norm,
+                "over patches: root mean square (default) or largest")
         .choice("--engine", {"auto", "links", "gather"}, engine, "how radiosity is solved")
-        .number("--max-seconds", "S", max_seconds, "stop solving after S seconds with what there is");
+        .number("--max-seconds", "S", max_seconds,
+                "stop solving after S seconds with what there is");
 }
 
 SolutionPointer solve(const Scene &scene, const SolveOptions &options, Threads &threads)

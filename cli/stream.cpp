@@ -25,7 +25,8 @@ PictureReader::PictureReader(const std::string &path) : path_(path)
     hints.attribute("oiio:UnassociatedAlpha", 1);
     input_ = OIIO::ImageInput::open(path, &hints);
     if (!input_)
-        fail(Exit::input, "cannot read '%s': %s", path.c_str(), first_line(OIIO::geterror()).c_str());
+        fail(Exit::input, "cannot read '%s': %s", path.c_str(),
+             first_line(OIIO::geterror()).c_str());
     if (spec().deep || spec().depth > 1)
         fail(Exit::input, "'%s' is a deep or volume picture; lcor takes flat ones", path.c_str());
     if (spec().width <= 0 || spec().height <= 0 || spec().nchannels <= 0)
@@ -39,9 +40,10 @@ bool PictureReader::premultiplied() const
 
 size_t PictureReader::band_rows(size_t bytes) const
 {
-    const size_t unit = spec().tile_width > 0
-                            ? static_cast<size_t>(spec().tile_height)
-                            : static_cast<size_t>(std::max(spec().get_int_attribute("tiff:RowsPerStrip", 1), 1));
+    const size_t unit =
+        spec().tile_width > 0
+            ? static_cast<size_t>(spec().tile_height)
+            : static_cast<size_t>(std::max(spec().get_int_attribute("tiff:RowsPerStrip", 1), 1));
     const size_t rows = std::max(bytes / std::max<size_t>(spec().scanline_bytes(), 1), size_t(1));
     return std::min(std::max(rows / std::min(unit, height()) * unit, unit), height());
 }
@@ -50,10 +52,10 @@ void PictureReader::read(size_t y0, size_t y1, OIIO::TypeDesc type, void *out)
 {
     const OIIO::ImageSpec &s = spec();
     const int first = s.y + static_cast<int>(y0), last = s.y + static_cast<int>(y1);
-    const bool good = s.tile_width > 0
-                          ? input_->read_tiles(0, 0, s.x, s.x + s.width, first, last, s.z, s.z + 1, 0,
-                                               s.nchannels, type, out)
-                          : input_->read_scanlines(0, 0, first, last, s.z, 0, s.nchannels, type, out);
+    const bool good = s.tile_width > 0 ? input_->read_tiles(0, 0, s.x, s.x + s.width, first, last,
+                                                            s.z, s.z + 1, 0, s.nchannels, type, out)
+                                       : input_->read_scanlines(0, 0, first, last, s.z, 0,
+                                                                s.nchannels, type, out);
     if (!good)
         fail(Exit::input, "cannot read the pixels of '%s': %s", path_.c_str(),
              first_line(input_->geterror()).c_str());
@@ -63,7 +65,8 @@ PictureWriter::PictureWriter(const std::string &path, const OIIO::ImageSpec &spe
 {
     output_ = OIIO::ImageOutput::create(path);
     if (!output_)
-        fail(Exit::usage, "'%s': no picture format has this extension; try .tif, .png, .jpg or .exr",
+        fail(Exit::usage,
+             "'%s': no picture format has this extension; try .tif, .png, .jpg or .exr",
              path.c_str());
     OIIO::ImageSpec wanted = spec;
     const std::string format = output_->format_name();
@@ -78,10 +81,17 @@ PictureWriter::PictureWriter(const std::string &path, const OIIO::ImageSpec &spe
     if (wanted.alpha_channel >= 0)
         wanted.attribute("oiio:UnassociatedAlpha", premultiplied_ ? 0 : 1);
     if (!output_->open(file_.temporary(), wanted))
-        fail(Exit::failed, "cannot write '%s': %s", path.c_str(), first_line(output_->geterror()).c_str());
+        fail(Exit::failed, "cannot write '%s': %s", path.c_str(),
+             first_line(output_->geterror()).c_str());
 }
 
-PictureWriter::~PictureWriter() = default;
+PictureWriter::~PictureWriter()
+{
+    /* Closing an unfinished picture makes some libraries complain on stderr; the program is about
+     * to end with an error of its own and the file is removed, so it is let go as it is. */
+    if (!committed_)
+        static_cast<void>(output_.release());
+}
 
 void PictureWriter::write(size_t y0, size_t y1, OIIO::TypeDesc type, const void *rows)
 {
@@ -100,10 +110,12 @@ void PictureWriter::commit()
     if (!output_->close())
         fail(Exit::failed, "cannot write '%s': %s", file_.path().c_str(),
              first_line(output_->geterror()).c_str());
+    committed_ = true;
     file_.commit();
 }
 
-MapReader::MapReader(const std::string &path, const lcor_colour &colour, size_t width, size_t height)
+MapReader::MapReader(const std::string &path, const lcor_colour &colour, size_t width,
+                     size_t height)
     : picture_(path), colour_(colour), width_(width), height_(height), left_(width), weight_(width)
 {
     const size_t columns = picture_.width();
@@ -122,7 +134,8 @@ double MapReader::place(size_t y) const
 {
     const size_t rows = picture_.height();
     return std::clamp((static_cast<double>(y) + 0.5) * static_cast<double>(rows) /
-                              static_cast<double>(height_) - 0.5,
+                              static_cast<double>(height_) -
+                          0.5,
                       0.0, static_cast<double>(rows - 1));
 }
 
@@ -146,8 +159,10 @@ void MapReader::fetch(size_t y)
                     colour_.to_xyz[4] * static_cast<double>(sample[1]) +
                     colour_.to_xyz[5] * static_cast<double>(sample[2]);
         if (!(value >= 0.0) || !std::isfinite(value))
-            fail(Exit::input, "illuminance map '%s' is %s at pixel (%zu, %zu); it must be 0 or more",
-                 picture_.path().c_str(), number_text(value).c_str(), i % columns, first + i / columns);
+            fail(Exit::input,
+                 "illuminance map '%s' is %s at pixel (%zu, %zu); it must be 0 or more",
+                 picture_.path().c_str(), number_text(value).c_str(), i % columns,
+                 first + i / columns);
         window.values[i] = static_cast<float>(value);
     }
 }
@@ -168,7 +183,8 @@ void MapReader::read(size_t y0, size_t y1, Band &band)
         const Band &window = holds(windows_[0], y) ? windows_[0] : windows_[1];
         const size_t end = std::min(last, window.first + window.values.size() / columns);
         const auto start = window.values.begin() + static_cast<long>((y - window.first) * columns);
-        band.values.insert(band.values.end(), start, start + static_cast<long>((end - y) * columns));
+        band.values.insert(band.values.end(), start,
+                           start + static_cast<long>((end - y) * columns));
         y = end;
     }
 }

@@ -56,7 +56,7 @@ class PictureWriter
   private:
     OutputFile file_;
     std::unique_ptr<OIIO::ImageOutput> output_;
-    bool premultiplied_ = false;
+    bool premultiplied_ = false, committed_ = false;
 };
 
 /* Illuminance on the pixel grid of a picture of another size: bilinear between pixel centres, which

@@ -45,7 +45,8 @@ bool shows_whole_pictures(const Shape &shape, const Texture &texture)
             return true;
         if (!whole_number(start))
             return false;
-        return wrap == Wrap::mirror || (std::fabs(extent) < 1.5 && std::fabs(start + 0.5 * extent - 0.5) < 1e-4);
+        return wrap == Wrap::mirror ||
+               (std::fabs(extent) < 1.5 && std::fabs(start + 0.5 * extent - 0.5) < 1e-4);
     };
     return whole(o[0], extent_u, texture.wrap_u) && whole(o[1], extent_v, texture.wrap_v);
 }
@@ -69,16 +70,17 @@ std::vector<double> linear_table(size_t size)
           error, Exit::failed, "sRGB");
     std::vector<double> table(size);
     for (size_t i = 0; i < size; i++)
-        table[i] = lcor_transfer_to_linear(&srgb, static_cast<double>(i) / static_cast<double>(size - 1));
+        table[i] =
+            lcor_transfer_to_linear(&srgb, static_cast<double>(i) / static_cast<double>(size - 1));
     return table;
 }
 
 } // namespace
 
 TextureMeans::TextureMeans(const Contents &contents, size_t shapes)
-    : contents_(contents), most_samples_(static_cast<size_t>(
-                               std::clamp(std::sqrt(sample_budget / static_cast<double>(shapes + 1)),
-                                          8.0, 128.0))),
+    : contents_(contents),
+      most_samples_(static_cast<size_t>(
+          std::clamp(std::sqrt(sample_budget / static_cast<double>(shapes + 1)), 8.0, 128.0))),
       linear_u8_(linear_table(256)), whole_(contents.images.size(), Vec3{-1.0, -1.0, -1.0})
 {
     for (const Image &image : contents.images)
@@ -150,9 +152,11 @@ Vec3 TextureMeans::mean(int texture, const Shape &shape)
     const Image &image = contents_.images[drawn.image];
     double texels = 1.0;
     for (const Vertex *end : {&a, &b})
-        texels = std::max(texels, std::hypot((end->uv[0] - o.uv[0]) * static_cast<double>(image.width),
-                                             (end->uv[1] - o.uv[1]) * static_cast<double>(image.height)));
-    const size_t n = static_cast<size_t>(std::clamp(std::ceil(2.0 * texels), 8.0, static_cast<double>(most_samples_)));
+        texels = std::max(texels,
+                          std::hypot((end->uv[0] - o.uv[0]) * static_cast<double>(image.width),
+                                     (end->uv[1] - o.uv[1]) * static_cast<double>(image.height)));
+    const size_t n = static_cast<size_t>(
+        std::clamp(std::ceil(2.0 * texels), 8.0, static_cast<double>(most_samples_)));
     Vec3 sum{0.0, 0.0, 0.0};
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < n; j++) {
@@ -165,8 +169,10 @@ Vec3 TextureMeans::mean(int texture, const Shape &shape)
                 t = root * t;
             }
             const Vec3 colour = o.colour + s * (a.colour - o.colour) + t * (b.colour - o.colour);
-            sum = sum + times(colour, texel(drawn, o.uv[0] + s * (a.uv[0] - o.uv[0]) + t * (b.uv[0] - o.uv[0]),
-                                            o.uv[1] + s * (a.uv[1] - o.uv[1]) + t * (b.uv[1] - o.uv[1])));
+            sum = sum +
+                  times(colour,
+                        texel(drawn, o.uv[0] + s * (a.uv[0] - o.uv[0]) + t * (b.uv[0] - o.uv[0]),
+                              o.uv[1] + s * (a.uv[1] - o.uv[1]) + t * (b.uv[1] - o.uv[1])));
         }
     return 1.0 / static_cast<double>(n * n) * sum;
 }

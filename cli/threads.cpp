@@ -58,8 +58,8 @@ struct Threads::Pool {
 
 Threads::Threads(int count) : pool_(std::make_unique<Pool>())
 {
-    const unsigned wanted =
-        count > 0 ? static_cast<unsigned>(count) : std::max(1U, std::thread::hardware_concurrency());
+    const unsigned wanted = count > 0 ? static_cast<unsigned>(count)
+                                      : std::max(1U, std::thread::hardware_concurrency());
     for (unsigned i = 1; i < std::min(wanted, 256U); i++)
         pool_->workers.emplace_back([this] { pool_->work(); });
 }

@@ -255,7 +255,7 @@ static int run(const enter_options *o)
     if (result == LCCAL_OK)
         result = profile_save(profile, o->output);
     if (result == LCCAL_OK)
-        profile_tell_result(&r, o->output);
+        profile_tell_result(profile, &r, o->output);
     lcor_profile_free(profile);
     return result;
 }

@@ -50,6 +50,8 @@ int cmd_export(int argc, char **argv)
         return status < 0 ? LCCAL_OK : status;
     if (argc != 2 || !output)
         return lccal_fail(LCCAL_USAGE, "export wants a profile and -o FILE; --help explains");
+    if (strcmp(argv[1], output) == 0)
+        return lccal_fail(LCCAL_USAGE, "-o must not name the profile itself");
     const char *format = format_of(wanted, output);
     const bool icc = strcmp(format, "icc") == 0, json = strcmp(format, "json") == 0;
     if (!icc && !json && strcmp(format, "csv") != 0)

@@ -14,8 +14,10 @@ static const char help[] =
     "lccal history PROFILE|FOLDER ...\n"
     "\n"
     "  Profiles in the order of their CREATED dates, with the change of contrast since the first\n"
-    "  and whether it is more than both uncertainties explain. A folder stands for its *.cgats\n"
-    "  files; the backup that lccal keeps beside a profile (PROFILE~) is listed with it.\n"
+    "  and a * where it is more than both uncertainties explain. White and black are densities, "
+    "or\n"
+    "  cd/m2 of a display. A folder stands for its *.cgats files; the backup that lccal keeps\n"
+    "  beside a profile (PROFILE~) is listed with it.\n"
     "\n"
     "  --json              an event \"history\" for each, one object a line\n"
     "  --quiet, --help, --version\n";
@@ -25,6 +27,8 @@ typedef struct entry {
     double created; /* seconds since 1970, or -1 */
     char date[40];
     lcor_profile_result result;
+    bool display; /* then white and black are cd/m2, else densities */
+    double white, black;
 } entry;
 
 typedef struct history {
@@ -42,9 +46,12 @@ static int add_profile(history *h, const char *path)
     const char *date = lcor_profile_keyword(profile, "CREATED");
     snprintf(e.date, sizeof e.date, "%s", date ? date : "no date");
     status = profile_evaluate(profile, &e.result);
+    e.display = profile_is_display(profile);
     lcor_profile_free(profile);
     if (status != LCCAL_OK)
         return status;
+    e.white = e.display ? profile_luminance(e.result.d_min) : e.result.d_min;
+    e.black = e.display ? profile_luminance(e.result.d_max) : e.result.d_max;
     if (h->count == h->room) {
         const size_t room = h->room ? 2 * h->room : 16;
         entry *larger = realloc(h->entries, room * sizeof *larger);
@@ -116,19 +123,19 @@ static void tell(const entry *e, const entry *first)
         lccal_event_text("created", e->date);
         lccal_event_number("contrast", e->result.contrast, 4);
         lccal_event_number("contrast_u95", e->result.contrast_u95, 4);
-        lccal_event_number("d_min", e->result.d_min, 4);
-        lccal_event_number("d_max", e->result.d_max, 4);
+        lccal_event_number(e->display ? "j_max" : "d_min", e->white, 4);
+        lccal_event_number(e->display ? "j_min" : "d_max", e->black, 4);
         lccal_event_number("change_percent", change, 2);
         lccal_event_bool("significant", drifted);
         lccal_event_end();
         return;
     }
-    char c[80], d_min[32], d_max[32], percent[32];
-    lccal_format_number(d_min, sizeof d_min, e->result.d_min, 3);
-    lccal_format_number(d_max, sizeof d_max, e->result.d_max, 3);
+    char c[80], white[32], black[32], percent[32];
+    lccal_format_number(white, sizeof white, e->white, 3);
+    lccal_format_number(black, sizeof black, e->black, 3);
     lccal_format_number(percent, sizeof percent, change, 1);
     printf("%-20s  %-17s  %6s  %6s  %6s %%%s  %s\n", e->date,
-           profile_contrast_text(&e->result, c, sizeof c), d_min, d_max, percent,
+           profile_contrast_text(&e->result, c, sizeof c), white, black, percent,
            drifted ? " *" : "  ", e->path);
 }
 
@@ -148,7 +155,7 @@ int cmd_history(int argc, char **argv)
     if (status == LCCAL_OK && h.entries) {
         qsort(h.entries, h.count, sizeof *h.entries, by_date);
         if (!lccal_json())
-            printf("%-20s  %-17s  %6s  %6s  %8s\n", "created", "contrast", "D_min", "D_max",
+            printf("%-20s  %-17s  %6s  %6s  %8s\n", "created", "contrast", "white", "black",
                    "change");
         for (size_t i = 0; i < h.count; i++)
             tell(&h.entries[i], &h.entries[0]);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
+#include "command/profile_file.h"
 #include "lccal.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,50 +28,16 @@ static const char help[] =
     "  --quiet             only errors and warnings\n"
     "  --help, --version\n";
 
-/* What was found, to people and programs. */
-static void tell(const lcor_profile *profile, const lcor_profile_result *r, const char *path)
-{
-    char bright[32], dark[32], c[32], u[32] = "";
-    lcor_profile_reading first;
-    const bool display = lcor_profile_reading_get(profile, 0, &first, NULL) == LCOR_OK &&
-                         (first.has & LCOR_HAS_XYZ) && !(first.has & LCOR_HAS_VISUAL);
-    const double white = display ? 100.0 * pow(10.0, -r->d_min) : r->d_min;
-    const double black = display ? 100.0 * pow(10.0, -r->d_max) : r->d_max;
-    lccal_format_number(bright, sizeof bright, white, 3);
-    lccal_format_number(dark, sizeof dark, black, 3);
-    lccal_format_number(c, sizeof c, r->contrast, 2);
-    if (r->contrast_u95 > 0.0)
-        lccal_format_number(u, sizeof u, r->contrast_u95, r->contrast_u95 < 0.1 ? 4 : 2);
-    lccal_say(display ? "J_max %s, J_min %s cd/m2, contrast %s%s%s%s; profile in '%s'"
-                      : "D_min %s, D_max %s, contrast %s%s%s%s; profile in '%s'",
-              bright, dark, c, *u ? " +- " : "", u, *u ? " (95 %)" : "", path);
-    lccal_event_begin("result");
-    lccal_event_number(display ? "j_max" : "d_min", white, 4);
-    lccal_event_number(display ? "j_min" : "d_max", black, 4);
-    lccal_event_number("contrast", r->contrast, 4);
-    lccal_event_number("contrast_u95", r->contrast_u95, 4);
-    lccal_event_text("profile", path);
-    lccal_event_end();
-}
-
-/* Format the profile and store it. */
+/* Store the profile and tell what it says. */
 static int store(const lcor_profile *profile, const char *path)
 {
     lcor_profile_result r;
     lcor_error err;
-    size_t size = 0;
-    if (lcor_profile_evaluate(profile, &r, &err) != LCOR_OK ||
-        lcor_profile_format(profile, NULL, 0, &size, &err) != LCOR_OK)
+    if (lcor_profile_evaluate(profile, &r, &err) != LCOR_OK)
         return lccal_fail(LCCAL_REJECTED, "%s", err.text);
-    char *text = malloc(size + 1);
-    if (!text || lcor_profile_format(profile, text, size + 1, &size, &err) != LCOR_OK) {
-        free(text);
-        return lccal_fail(LCCAL_FAILED, "out of memory");
-    }
-    const int result = lccal_save_file(path, text, size, true);
-    free(text);
+    const int result = profile_save(profile, path);
     if (result == LCCAL_OK)
-        tell(profile, &r, path);
+        profile_tell_result(profile, &r, path);
     return result;
 }
 

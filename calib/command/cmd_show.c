@@ -22,21 +22,28 @@ static void number(buffer *out, const char *name, double value, int decimals)
     buffer_number(out, value, decimals);
 }
 
+static void put_patch(buffer *out, const char *name, double value, size_t readings, double u)
+{
+    number(out, name, value, 4);
+    number(out, "  from ", (double)readings, 0);
+    number(out, " readings, standard uncertainty of its density ", u, 4);
+    buffer_text(out, "\n");
+}
+
 static void put_summary(buffer *out, const lcor_profile *profile, const lcor_profile_result *r)
 {
     char text[80];
+    const bool display = profile_is_display(profile);
+    const bool darkest = lcor_profile_black_get(profile) == LCOR_BLACK_DARKEST;
     buffer_text(out, "contrast        ");
     buffer_text(out, profile_contrast_text(r, text, sizeof text));
     buffer_text(out, r->contrast_u95 > 0.0 ? " (95 %)\n" : " (uncertainty not known)\n");
-    number(out, "D_min (white)   ", r->d_min, 4);
-    number(out, "  from ", (double)r->n_min, 0);
-    number(out, " readings, standard uncertainty ", r->u_min, 4);
-    number(out, "\nD_max (black)   ", r->d_max, 4);
-    number(out, "  from ", (double)r->n_max, 0);
-    number(out, " readings, standard uncertainty ", r->u_max, 4);
-    buffer_text(out, lcor_profile_black_get(profile) == LCOR_BLACK_DARKEST
-                         ? "\nblack           the darkest patch"
-                         : "\nblack           full drive (R = G = B = 0, or K 100 %)");
+    put_patch(out, display ? "J_max (cd/m2)   " : "D_min (white)   ",
+              display ? profile_luminance(r->d_min) : r->d_min, r->n_min, r->u_min);
+    put_patch(out, display ? "J_min (cd/m2)   " : "D_max (black)   ",
+              display ? profile_luminance(r->d_max) : r->d_max, r->n_max, r->u_max);
+    buffer_text(out, darkest ? "black           the darkest patch"
+                             : "black           full drive (R = G = B = 0, or K 100 %)");
     number(out, "\nresolution      ", lcor_profile_resolution(profile), 6);
     number(out, "\ngrey levels     ", (double)lcor_profile_grey_levels(profile), 0);
     number(out, "\nreadings        ", (double)lcor_profile_count(profile), 0);

@@ -69,13 +69,6 @@ static void put_curve(const lcor_profile *profile, double contrast, buffer *out)
     }
 }
 
-static bool is_display(const lcor_profile *profile)
-{
-    const char *class = lcor_profile_keyword(profile, "DEVICE_CLASS");
-    const char *source = lcor_profile_keyword(profile, "MEASUREMENT_SOURCE");
-    return (class && strcmp(class, "DISPLAY") == 0) || (source && strstr(source, "cd/m2"));
-}
-
 static void put_header(const lcor_profile *profile, size_t size, buffer *out)
 {
     static const char zeros[48] = {0};
@@ -85,7 +78,7 @@ static void put_header(const lcor_profile *profile, size_t size, buffer *out)
     buffer_u32(out, (uint32_t)size);
     buffer_u32(out, 0);          /* no preferred colour management module */
     buffer_u32(out, 0x02400000); /* version 2.4 */
-    buffer_text(out, is_display(profile) ? "mntr" : "prtr");
+    buffer_text(out, profile_is_display(profile) ? "mntr" : "prtr");
     buffer_text(out, "GRAYXYZ ");
     buffer_u16(out, (uint32_t)(utc ? utc->tm_year + 1900 : 2000));
     buffer_u16(out, (uint32_t)(utc ? utc->tm_mon + 1 : 1));
@@ -134,7 +127,7 @@ void export_icc(const lcor_profile *profile, const lcor_profile_result *r, buffe
         {.name = "desc"}, {.name = "cprt"}, {.name = "wtpt"}, {.name = "bkpt"}, {.name = "kTRC"}};
     char contrast[32], text[64];
     /* The densities of displays mean something as a difference only: their white is 1. */
-    const double white = is_display(profile) ? 1.0 : fmin(pow(10.0, -r->d_min), 1.0);
+    const double white = profile_is_display(profile) ? 1.0 : fmin(pow(10.0, -r->d_min), 1.0);
     lccal_format_number(contrast, sizeof contrast, r->contrast, 4);
     snprintf(text, sizeof text, "lcor device, contrast %s", contrast);
     put_description(&tags[0].data, text);

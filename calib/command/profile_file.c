@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "command/profile_file.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -56,17 +57,31 @@ const char *profile_contrast_text(const lcor_profile_result *r, char *text, size
     return text;
 }
 
-void profile_tell_result(const lcor_profile_result *r, const char *path)
+bool profile_is_display(const lcor_profile *profile)
 {
-    char d_min[32], d_max[32], contrast[80];
-    lccal_say("D_min %s, D_max %s, contrast %s%s; profile in %s",
-              lccal_format_number(d_min, sizeof d_min, r->d_min, 3),
-              lccal_format_number(d_max, sizeof d_max, r->d_max, 3),
-              profile_contrast_text(r, contrast, sizeof contrast),
-              r->contrast_u95 > 0.0 ? " (95 %)" : "", path);
+    const char *class = lcor_profile_keyword(profile, "DEVICE_CLASS");
+    const char *source = lcor_profile_keyword(profile, "MEASUREMENT_SOURCE");
+    return (class && strcmp(class, "DISPLAY") == 0) || (source && strstr(source, "cd/m2"));
+}
+
+double profile_luminance(double density) { return 100.0 * pow(10.0, -density); }
+
+void profile_tell_result(const lcor_profile *profile, const lcor_profile_result *r,
+                         const char *path)
+{
+    char light[32], dark[32], contrast[80];
+    const bool display = profile_is_display(profile);
+    const double white = display ? profile_luminance(r->d_min) : r->d_min;
+    const double black = display ? profile_luminance(r->d_max) : r->d_max;
+    lccal_format_number(light, sizeof light, white, 3);
+    lccal_format_number(dark, sizeof dark, black, 3);
+    profile_contrast_text(r, contrast, sizeof contrast);
+    lccal_say(display ? "J_max %s, J_min %s cd/m2, contrast %s%s; profile in '%s'"
+                      : "D_min %s, D_max %s, contrast %s%s; profile in '%s'",
+              light, dark, contrast, r->contrast_u95 > 0.0 ? " (95 %)" : "", path);
     lccal_event_begin("result");
-    lccal_event_number("d_min", r->d_min, 4);
-    lccal_event_number("d_max", r->d_max, 4);
+    lccal_event_number(display ? "j_max" : "d_min", white, 4);
+    lccal_event_number(display ? "j_min" : "d_max", black, 4);
     lccal_event_number("contrast", r->contrast, 4);
     lccal_event_number("contrast_u95", r->contrast_u95, 4);
     lccal_event_text("profile", path);

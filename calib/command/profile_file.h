@@ -13,7 +13,13 @@ int profile_save(const lcor_profile *profile, const char *path);
 int profile_evaluate(const lcor_profile *profile, lcor_profile_result *result);
 
 /* The line and the event "result" that every command which stores a profile ends with. */
-void profile_tell_result(const lcor_profile_result *result, const char *path);
+void profile_tell_result(const lcor_profile *profile, const lcor_profile_result *result,
+                         const char *path);
+
+/* Luminances of a display, not densities or XYZ of a print. */
+bool profile_is_display(const lcor_profile *profile);
+/* Y of a density of lcor_profile_result, for displays in cd/m2. */
+double profile_luminance(double density);
 
 /* "23.40 +- 0.52", or "23.40" where the interval is not known. Returns text. */
 const char *profile_contrast_text(const lcor_profile_result *result, char *text, size_t capacity);

@@ -233,10 +233,9 @@ int session_patch(session *s, patch *p)
         "top left",     "top centre",  "top right",     "middle left",  "centre",
         "middle right", "bottom left", "bottom centre", "bottom right",
     };
-    attempt a;
+    attempt a = {.count = 0};
     const bool spread = s->options->positions > 1;
     const size_t wanted = (size_t)(spread ? s->options->positions : s->options->readings);
-    a.count = 0;
     p->first = lcor_profile_count(s->profile);
     while (a.count < wanted) {
         if (spread)

@@ -190,19 +190,19 @@ cal_status hid_open_port(const char *port, transport **out, cal_error *err)
     hid_place place;
     if (hid_init() != 0)
         return cal_fail(err, CAL_UNSUPPORTED, "the system's USB HID support does not start");
+    hid *h = NULL;
     cal_status status = find_device(port, &place, err);
-    hid *h = status == CAL_OK ? calloc(1, sizeof *h) : NULL;
-    if (status == CAL_OK && !h)
+    if (status != CAL_OK)
+        goto failed;
+    h = calloc(1, sizeof *h);
+    if (!h) {
         status = cal_fail(err, CAL_NO_MEMORY, "out of memory");
-    if (status == CAL_OK) {
-        h->device = hid_open_path(place.node);
-        if (!h->device)
-            status = cal_fail(err, CAL_NO_DEVICE, "'%s' is no USB HID device", place.node);
+        goto failed;
     }
-    if (status != CAL_OK) {
-        free(h);
-        hid_exit();
-        return status;
+    h->device = hid_open_path(place.node);
+    if (!h->device) {
+        status = cal_fail(err, CAL_NO_DEVICE, "'%s' is no USB HID device", place.node);
+        goto failed;
     }
     h->base.ops = &hid_ops;
     h->base.vendor = place.vendor;
@@ -210,6 +210,10 @@ cal_status hid_open_port(const char *port, transport **out, cal_error *err)
     snprintf(h->base.name, sizeof h->base.name, "%s", port);
     *out = &h->base;
     return CAL_OK;
+failed:
+    free(h);
+    hid_exit();
+    return status;
 }
 
 #else

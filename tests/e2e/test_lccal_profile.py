@@ -55,6 +55,18 @@ def test_show_reads_other_programs_files():
     assert "contrast        46.12" in run.stdout
 
 
+def test_displays_are_told_in_luminances(tmp_path):
+    table, profile = tmp_path / "d.csv", tmp_path / "d.cgats"
+    table.write_text("R,G,B,X,Y,Z\n255,255,255,114,120,131\n0,0,0,0.15,0.15,0.25\n")
+    run = lccal("enter", "--import", table, "--source", "luminance, cd/m2", "-o", profile)
+    assert run.returncode == 0, run.stderr
+    assert "J_max 120.000, J_min 0.150 cd/m2, contrast 800.00" in run.stderr
+    assert "J_max (cd/m2)   120 " in lccal("show", profile).stdout
+    assert events(lccal("history", profile, "--json").stdout)[0]["j_min"] == 0.15
+    assert lccal("export", profile, "-o", tmp_path / "d.icc").returncode == 0
+    assert (tmp_path / "d.icc").read_bytes()[12:16] == b"mntr"
+
+
 @pytest.mark.parametrize("command", [["show"], ["verify", "--max-age", "1"], ["history"],
                                      ["export", "-o", "-", "--format", "csv"]])
 def test_a_broken_profile_is_refused(tmp_path, profile, command):
@@ -223,6 +235,12 @@ def test_json_and_csv_hold_the_readings(tmp_path, profile):
 def test_export_wants_a_format(tmp_path, profile, arguments):
     assert lccal("export", profile, *arguments, cwd=tmp_path).returncode == 2
     assert not list(tmp_path.glob("x*"))
+
+
+def test_export_does_not_overwrite_the_profile(profile):
+    before = profile.read_bytes()
+    assert lccal("export", profile, "-o", profile, "--format", "csv").returncode == 2
+    assert profile.read_bytes() == before
 
 
 # ---- target

@@ -227,7 +227,8 @@ def test_print_is_described_in_the_profile(tmp_path):
 def test_recording_replays_to_the_same_profile(tmp_path):
     script, first, second = tmp_path / "s.script", tmp_path / "1.cgats", tmp_path / "2.cgats"
     with Emulator("--auto-press", 2, "--noise", 0.004, "--seed", 7) as device:
-        run = lccal("--port", device.port, "--yes", "--readings", 2, "--record", script, "-o", first)
+        run = lccal("--port", device.port, "--yes", "--readings", 2, "--record", script,
+                    "-o", first)
     assert run.returncode == 0, run.stderr
     run = lccal("--port", f"script:{script}", "--yes", "--readings", 2, "-o", second)
     assert run.returncode == 0, run.stderr

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Scene files from memory: reading, converting, committing. Whatever the bytes are, the only way out
- * but success is a cli::Error.
+/* Scene files from memory: reading, converting, committing. Whatever the bytes are, the only way
+ * out but success is a cli::Error.
  *
  * tinygltf is compiled in here, rather than linked, so that it is instrumented too. */
 #include "gltf.h"

@@ -78,7 +78,7 @@ static size_t fill(int sweep, float *rgb, float *light)
 }
 
 typedef struct buffers {
-    float *rgb, *light, *out;
+    float *rgb, *light, *out, *again;
     double *exact; /* corrected in double */
     uint8_t *code8;
     uint16_t *code16;
@@ -144,8 +144,12 @@ static void float_pixels_follow_double(void **state)
             plan = make_plan(&o);
             for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
                 force_kernel(plan, kernel);
-                lcor_correct_row(plan, 0, n, b->rgb, b->light, NULL, b->out, NULL);
-                compare_float(kernel, b, n, o.gamut);
+                lcor_correct_row(plan, 0, n, b->rgb, b->light, NULL, v == 0 ? b->out : b->again,
+                                 NULL);
+                if (v == 0)
+                    compare_float(kernel, b, n, o.gamut);
+                else
+                    assert_memory_equal(b->again, b->out, 3 * n * sizeof *b->out);
             }
             lcor_plan_free(plan);
         }
@@ -155,45 +159,34 @@ static void codes_are_at_most_one_off(void **state)
 {
     const buffers *b = *state;
     const lcor_plan_options o8 = plain_options(LCOR_U8), o16 = plain_options(LCOR_U16);
-    lcor_plan *plan8 = make_plan(&o8), *plan16 = make_plan(&o16);
-    const lcor_kernel *kernel;
+    lcor_plan_options o64 = plain_options(LCOR_F64);
+    lcor_plan *plan8 = make_plan(&o8), *plan16 = make_plan(&o16), *plan64;
     const size_t n = fill(0, b->rgb, b->light);
+    size_t off8 = 0;
 
-    for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
-        size_t off8 = 0;
-
-        for (size_t i = 0; i < 3 * n; i++) {
-            b->code8[i] = (uint8_t)(b->rgb[i] * 255.99f);
-            b->code16[i] = (uint16_t)(b->code8[i] * 257);
-            b->exact[i] = b->code8[i] / 255.0; /* the same colour in both */
-        }
-        {
-            lcor_plan_options o = plain_options(LCOR_F64);
-            lcor_plan *plan;
-
-            o.map_type = LCOR_F32;
-            plan = make_plan(&o);
-            lcor_correct_row(plan, 0, n, b->exact, b->light, NULL, b->exact, NULL);
-            lcor_plan_free(plan);
-        }
-        force_kernel(plan8, kernel);
-        force_kernel(plan16, kernel);
-        lcor_correct_row(plan8, 0, n, b->code8, b->light, NULL, b->code8, NULL);
-        lcor_correct_row(plan16, 0, n, b->code16, b->light, NULL, b->code16, NULL);
-        for (size_t i = 0; i < 3 * n; i++) {
-            const int d8 = b->code8[i] - (int)(b->exact[i] * 255.0 + 0.5);
-            const int d16 = b->code16[i] - (int)(b->exact[i] * 65535.0 + 0.5);
-
-            off8 += d8 != 0;
-            assert_in_range(d8 + 1, 0, 2);
-            assert_in_range(d16 + 1, 0, 2);
-        }
-        print_message("%s: %.4f %% of bytes off by one\n", kernel->name,
-                      100.0 * (double)off8 / (3.0 * (double)n));
-        assert_true((double)off8 <= 5e-5 * 3.0 * (double)n);
+    o64.map_type = LCOR_F32;
+    plan64 = make_plan(&o64);
+    for (size_t i = 0; i < 3 * n; i++) {
+        b->code8[i] = (uint8_t)(b->rgb[i] * 255.99f);
+        b->code16[i] = (uint16_t)(b->code8[i] * 257);
+        b->exact[i] = b->code8[i] / 255.0; /* the same colour in all three */
     }
+    lcor_correct_row(plan64, 0, n, b->exact, b->light, NULL, b->exact, NULL);
+    lcor_correct_row(plan8, 0, n, b->code8, b->light, NULL, b->code8, NULL);
+    lcor_correct_row(plan16, 0, n, b->code16, b->light, NULL, b->code16, NULL);
+    for (size_t i = 0; i < 3 * n; i++) {
+        const int d8 = b->code8[i] - (int)(b->exact[i] * 255.0 + 0.5);
+        const int d16 = b->code16[i] - (int)(b->exact[i] * 65535.0 + 0.5);
+
+        off8 += d8 != 0;
+        assert_in_range(d8 + 1, 0, 2);
+        assert_in_range(d16 + 1, 0, 2);
+    }
+    print_message("%.4f %% of bytes off by one\n", 100.0 * (double)off8 / (3.0 * (double)n));
+    assert_true((double)off8 <= 5e-5 * 3.0 * (double)n);
     lcor_plan_free(plan8);
     lcor_plan_free(plan16);
+    lcor_plan_free(plan64);
 }
 
 static void converted_texture_follows_double(void **state)
@@ -210,8 +203,12 @@ static void converted_texture_follows_double(void **state)
     lcor_plan_texture_row(plan, n, b->rgb, f, PIXELS);
     for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
         force_kernel(plan, kernel);
-        lcor_correct_texture_row(plan, 0, n, f, PIXELS, b->light, NULL, b->out, NULL);
-        compare_float(kernel, b, n, LCOR_GAMUT_KEEP_HUE);
+        lcor_correct_texture_row(plan, 0, n, f, PIXELS, b->light, NULL, v == 0 ? b->out : b->again,
+                                 NULL);
+        if (v == 0)
+            compare_float(kernel, b, n, LCOR_GAMUT_KEEP_HUE);
+        else
+            assert_memory_equal(b->again, b->out, 3 * n * sizeof *b->out);
     }
     free(f);
     lcor_plan_free(plan);
@@ -247,7 +244,7 @@ static void stored_values_follow_double(void **state)
                 worst = fmax(worst, fabs(x - lcor_transfer_to_linear(&colour, b->exact[i])));
             }
             print_message("%s transfer %d: linear RGB %.3g\n", kernel->name, kind, worst);
-            assert_true(worst <= 5e-6);
+            assert_true(worst <= 1e-5);
         }
         lcor_plan_free(plan);
     }
@@ -260,12 +257,13 @@ static int allocate(void **state)
     b.rgb = malloc(3 * PIXELS * sizeof *b.rgb);
     b.light = malloc(PIXELS * sizeof *b.light);
     b.out = malloc(3 * PIXELS * sizeof *b.out);
+    b.again = malloc(3 * PIXELS * sizeof *b.again);
     b.exact = malloc(3 * PIXELS * sizeof *b.exact);
     b.code8 = malloc(3 * PIXELS);
     b.code16 = malloc(3 * PIXELS * sizeof *b.code16);
     *state = &b;
-    return b.rgb == NULL || b.light == NULL || b.out == NULL || b.exact == NULL ||
-           b.code8 == NULL || b.code16 == NULL;
+    return b.rgb == NULL || b.light == NULL || b.out == NULL || b.again == NULL ||
+           b.exact == NULL || b.code8 == NULL || b.code16 == NULL;
 }
 
 static int release(void **state)
@@ -275,6 +273,7 @@ static int release(void **state)
     free(b->rgb);
     free(b->light);
     free(b->out);
+    free(b->again);
     free(b->exact);
     free(b->code8);
     free(b->code16);

@@ -76,7 +76,7 @@ static int cast_one(const polygon *f, const double *o, const double *d, int cull
 
 static caster_hit cast(const world *w, const double *o, const double *d, int cull)
 {
-    caster_hit best = {-1, INFINITY, 0, 0, INFINITY};
+    caster_hit best = {-1, HUGE_VAL, 0, 0, HUGE_VAL};
 
     for (size_t i = 0; i < w->count; i++) {
         double t, u, v;

@@ -103,7 +103,7 @@ bool densistick_calibration_parse(const uint8_t bytes[DENSISTICK_CALIBRATION],
         get_u32be(bytes + TARGETS_CRC) !=
             densistick_checksum(bytes + TARGETS, (TARGETS_CRC - TARGETS) / 4))
         return false;
-    for (int i = 0; i < DENSISTICK_GAINS; i++) {
+    for (size_t i = 0; i < DENSISTICK_GAINS; i++) {
         out->gain[i] = get_float(bytes + GAINS + 4 * i);
         if (!(out->gain[i] > 0.0 && out->gain[i] <= 512.0))
             return false;
@@ -297,7 +297,7 @@ static cal_status identify(instrument *in, int timeout_ms, cal_error *err)
 
 static cal_status measure(instrument *in, int timeout_ms, reading *out, cal_error *err)
 {
-    densistick_calibration calibration;
+    densistick_calibration calibration = {.low_density = 0.0};
     transport *t = in->port;
     double count = 0.0;
     unsigned gain = 0;

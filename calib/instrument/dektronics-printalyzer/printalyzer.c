@@ -234,7 +234,7 @@ static cal_status interview(instrument *in, int timeout_ms, cal_error *err)
                      {"GS B", "build_describe", 1},
                      {"GS B", "build_checksum", 2},
                      {"GS ISEN", "temperature", 1}};
-    char reply[160];
+    char reply[160] = "";
     const char *asked = "";
     for (size_t i = 0; i < sizeof questions / sizeof questions[0]; i++) {
         if (strcmp(asked, questions[i].command) != 0) {
@@ -265,7 +265,7 @@ static cal_status interview(instrument *in, int timeout_ms, cal_error *err)
 
 static cal_status identify(instrument *in, int timeout_ms, cal_error *err)
 {
-    char reply[160];
+    char reply[160] = "";
     cal_status status = ask(in, "GS V", "", timeout_ms, reply, sizeof reply, err);
     if (status != CAL_OK)
         return status;

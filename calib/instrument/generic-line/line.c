@@ -5,38 +5,47 @@
 #include <stdio.h>
 #include <string.h>
 
-#define FRAME(rate, bits, par)                                                                     \
+#define FRAME(rate, bits, frame_parity)                                                            \
     {                                                                                              \
-        .baud = (rate), .data_bits = (bits), .parity = (par), .stop_bits = 1                       \
+        .baud = (rate), .data_bits = (bits), .parity = (frame_parity), .stop_bits = 1              \
     }
-#define FORMAT(form, letters, kind, points)                                                        \
-    {                                                                                              \
-        .forms = (form), .visual = letters, .mode = (kind), .decimals = (points), .scale = 1.0,    \
-        .lowest = -99.0, .highest = 99.0                                                           \
-    }
+#define FORM(form, points)                                                                         \
+    .forms = (form), .decimals = (points), .scale = 1.0, .lowest = -99.0, .highest = 99.0
 
 /* Rates and frames are the makers' factory settings where they are published; a user who changed
  * them says so: line:xrite-400,baud=9600. */
 const line_preset line_presets[] = {
-    {"heiland-trd2", "Heiland TRD 2", FRAME(9600, 8, 'N'),
-     FORMAT(FORM_SIGNED, "", 0, DECIMALS_WRITTEN)},
-    {"xrite-400", "X-Rite 400 series", FRAME(1200, 7, 'S'),
-     FORMAT(FORM_FIELDS, "V", 0, DECIMALS_AUTO)},
-    {"xrite-photo", "X-Rite 310, 361T or 800 series", FRAME(1200, 7, 'S'),
-     FORMAT(FORM_FIELDS, "V", 0, DECIMALS_AUTO)},
-    {"xrite-39x", "X-Rite 390 or 391", FRAME(9600, 7, 'S'),
-     FORMAT(FORM_NUMBER, "", 0, DECIMALS_WRITTEN)},
-    {"xrite-500", "X-Rite 500 series", FRAME(9600, 7, 'S'),
-     FORMAT(FORM_FIELDS, "V", 0, DECIMALS_AUTO)},
-    {"technet", "Technet printing densitometer", FRAME(1200, 7, 'S'),
-     FORMAT(FORM_FIELDS, "V", 0, DECIMALS_IMPLIED)},
-    {"technet-adv", "Advanced Technet printing densitometer", FRAME(1200, 7, 'S'),
-     FORMAT(FORM_FIELDS, "vpP", 0, DECIMALS_IMPLIED)},
-    {"tobias-tbx", "Tobias TBX", FRAME(9600, 8, 'N'), FORMAT(FORM_TOBIAS, "", 0, DECIMALS_WRITTEN)},
-    {"macbeth-900", "Macbeth 900 series", FRAME(300, 7, 'N'),
-     FORMAT(FORM_FIELDS, "V", 0, DECIMALS_AUTO)},
-    {"generic", "densitometer that prints lines", FRAME(9600, 8, 'N'),
-     FORMAT(FORM_SIGNED | FORM_TOBIAS | FORM_FIELDS | FORM_ANY, "V", 0, DECIMALS_AUTO)},
+    {"heiland-trd2", "Heiland TRD 2", FRAME(9600, 8, 'N'), {FORM(FORM_SIGNED, DECIMALS_WRITTEN)}},
+    {"xrite-400",
+     "X-Rite 400 series",
+     FRAME(1200, 7, 'S'),
+     {FORM(FORM_FIELDS, DECIMALS_AUTO), .visual = "V"}},
+    {"xrite-photo",
+     "X-Rite 310, 361T or 800 series",
+     FRAME(1200, 7, 'S'),
+     {FORM(FORM_FIELDS, DECIMALS_AUTO), .visual = "V"}},
+    {"xrite-39x", "X-Rite 390 or 391", FRAME(9600, 7, 'S'), {FORM(FORM_NUMBER, DECIMALS_WRITTEN)}},
+    {"xrite-500",
+     "X-Rite 500 series",
+     FRAME(9600, 7, 'S'),
+     {FORM(FORM_FIELDS, DECIMALS_AUTO), .visual = "V"}},
+    {"technet",
+     "Technet printing densitometer",
+     FRAME(1200, 7, 'S'),
+     {FORM(FORM_FIELDS, DECIMALS_IMPLIED), .visual = "V"}},
+    {"technet-adv",
+     "Advanced Technet printing densitometer",
+     FRAME(1200, 7, 'S'),
+     {FORM(FORM_FIELDS, DECIMALS_IMPLIED), .visual = "vpP"}},
+    {"tobias-tbx", "Tobias TBX", FRAME(9600, 8, 'N'), {FORM(FORM_TOBIAS, DECIMALS_WRITTEN)}},
+    {"macbeth-900",
+     "Macbeth 900 series",
+     FRAME(300, 7, 'N'),
+     {FORM(FORM_FIELDS, DECIMALS_AUTO), .visual = "V"}},
+    {"generic",
+     "densitometer that prints lines",
+     FRAME(9600, 8, 'N'),
+     {FORM(FORM_SIGNED | FORM_TOBIAS | FORM_FIELDS | FORM_ANY, DECIMALS_AUTO), .visual = "V"}},
 };
 const size_t line_preset_count = sizeof line_presets / sizeof line_presets[0];
 
@@ -133,7 +142,7 @@ cal_status line_preset_parse(const char *text, line_preset *out, cal_error *err)
         return unknown_preset(text, length, err);
     *out = *preset;
     for (const char *at = text + length; *at;) {
-        char part[64];
+        char part[64] = "";
         const size_t n = strcspn(at + 1, ",");
         snprintf(part, sizeof part, "%.*s", (int)n, at + 1);
         char *value = strchr(part, '=');
@@ -154,7 +163,7 @@ cal_status line_preset_parse(const char *text, line_preset *out, cal_error *err)
 static cal_status identify(instrument *in, int timeout_ms, cal_error *err)
 {
     enum { SLOW_BAUD = 600, SLOW_IDLE_MS = 2000 };
-    line_preset preset;
+    line_preset preset = {.name = "", .title = ""};
     (void)timeout_ms;
     cal_status status = line_preset_parse(in->preset, &preset, err);
     if (status != CAL_OK)

@@ -105,7 +105,9 @@ static bool take_field(const line_format *format, char letter, double value, dou
             out->kind = READING_TRANSMISSION;
         return true;
     }
-    const char capital = letter >= 'a' ? (char)(letter - 'a' + 'A') : letter;
+    char capital = letter;
+    if (letter >= 'a')
+        capital = (char)(letter - 'a' + 'A');
     for (int i = 0; i < 3; i++) {
         if (strchr(filters[i], capital)) {
             seen[i] = true;
@@ -183,7 +185,7 @@ parse_result line_parse(const line_format *format, const uint8_t *bytes, size_t 
                         reading *out)
 {
     size_t start, length;
-    char text[TEXT_MAX];
+    char text[TEXT_MAX] = "";
     const parse_result line = line_split(bytes, n, &start, &length, used);
     if (line != PARSE_OK)
         return line;

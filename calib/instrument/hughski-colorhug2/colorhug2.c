@@ -49,7 +49,7 @@ parse_result colorhug2_parse(const line_format *format, const uint8_t *bytes, si
     memset(out, 0, sizeof *out);
     out->kind = READING_LUMINANCE;
     out->has_xyz = true;
-    for (int i = 0; i < 3; i++)
+    for (size_t i = 0; i < 3; i++)
         out->xyz[i] = get_fixed(bytes + HEADER + 4 * i);
     out->value = out->xyz[1];
     out->step = 1.0 / 65536.0;

@@ -71,12 +71,13 @@ parse_result rci_status(const uint8_t *bytes, size_t n, size_t *used, size_t *da
     }
     const size_t at = (size_t)(end - bytes);
     *used = at + 1;
-    if (at < 3 || bytes[at - 3] != '<' || hex_digit(bytes[at - 2]) < 0 ||
-        hex_digit(bytes[at - 1]) < 0)
+    if (at < 3 || bytes[at - 3] != '<')
+        return PARSE_BAD;
+    const int high = hex_digit(bytes[at - 2]), low = hex_digit(bytes[at - 1]);
+    if (high < 0 || low < 0)
         return PARSE_BAD;
     *data = at - 3;
-    /* Bit 7 says that more errors could be listed. */
-    *status = (hex_digit(bytes[at - 2]) << 4 | hex_digit(bytes[at - 1])) & 0x7F;
+    *status = (high * 16 + low) & 0x7F; /* bit 7 says that more errors could be listed */
     return PARSE_OK;
 }
 

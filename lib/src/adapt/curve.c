@@ -8,8 +8,8 @@
 #include <float.h>
 #include <math.h>
 
-lcor_status lcor_contrast_from_density(double d_max, double d_min, double *contrast,
-                                       lcor_error *err)
+LCOR_COLD lcor_status lcor_contrast_from_density(double d_max, double d_min, double *contrast,
+                                                 lcor_error *err)
 {
     double c;
 
@@ -31,8 +31,8 @@ double lcor_contrast_u95(double contrast, double u_d_max, double u_d_min)
     return 1.96 * contrast * 2.3025850929940457 * hypot(u_d_max, u_d_min); /* ln 10 */
 }
 
-static lcor_status check_curve(double j_mean, double j_min, double j_max, double exponent,
-                               lcor_error *err)
+static LCOR_COLD lcor_status check_curve(double j_mean, double j_min, double j_max, double exponent,
+                                         lcor_error *err)
 {
     if (!(j_mean > 0.0 && j_mean <= DBL_MAX))
         return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1, "j_mean must be finite and > 0");

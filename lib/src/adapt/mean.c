@@ -190,7 +190,7 @@ typedef struct place {
  * a convex curve), all at their mean (its tangents), or evenly about their mean. */
 typedef enum spread { SPREAD_NONE, SPREAD_EVEN, SPREAD_FULL } spread;
 
-static double own_part(const place *at, spread how, double t)
+static LCOR_COLD double own_part(const place *at, spread how, double t)
 {
     const double w = weight_as_double(at->own.weight);
     const double m = is_empty(&at->own) ? 0.0 : moment_about(&at->own, at->origin) / w;
@@ -223,7 +223,7 @@ static int reached(const place *at, lcor_mean_method method)
     return g_at(at, SPREAD_NONE, at->lo) >= at->total * LOG2_10;
 }
 
-static void find_place(const lcor_mean *mean, lcor_mean_method method, place *at)
+static LCOR_COLD void find_place(const lcor_mean *mean, lcor_mean_method method, place *at)
 {
     const double width = ldexp(1.0, mean->shift - ONE_BITS);
     lcor_mean_sum all = mean->above;
@@ -280,8 +280,8 @@ static LCOR_APART double log2_mean(const place *at, lcor_mean_method method, spr
     return lo + LOG2_10;
 }
 
-lcor_status lcor_mean_get(const lcor_mean *mean, lcor_mean_method method, double *r_mean,
-                          lcor_error *err)
+LCOR_COLD lcor_status lcor_mean_get(const lcor_mean *mean, lcor_mean_method method, double *r_mean,
+                                    lcor_error *err)
 {
     const uint64_t fraction = (UINT64_C(1) << ONE_BITS) - 1;
     place at;
@@ -305,7 +305,7 @@ lcor_status lcor_mean_get(const lcor_mean *mean, lcor_mean_method method, double
     return LCOR_OK;
 }
 
-double lcor_mean_error(const lcor_mean *mean, lcor_mean_method method)
+LCOR_COLD double lcor_mean_error(const lcor_mean *mean, lcor_mean_method method)
 {
     place at;
     double x;
@@ -320,7 +320,7 @@ double lcor_mean_error(const lcor_mean *mean, lcor_mean_method method)
            fmax(log2_mean(&at, method, SPREAD_FULL) - x, x - log2_mean(&at, method, SPREAD_NONE));
 }
 
-void lcor_mean_refine(lcor_mean *mean, lcor_mean_method method)
+LCOR_COLD void lcor_mean_refine(lcor_mean *mean, lcor_mean_method method)
 {
     lcor_mean_sum below;
     place at;
@@ -347,8 +347,8 @@ void lcor_mean_refine(lcor_mean *mean, lcor_mean_method method)
     mean->method = (int)method;
 }
 
-lcor_status lcor_geometric_mean(size_t n, const double *r, const double *weights,
-                                lcor_mean_method method, double *r_mean, lcor_error *err)
+LCOR_COLD lcor_status lcor_geometric_mean(size_t n, const double *r, const double *weights,
+                                          lcor_mean_method method, double *r_mean, lcor_error *err)
 {
     lcor_mean mean;
 

@@ -18,13 +18,16 @@
 #define LCOR_PRINTF(format_at, args_at)
 #endif
 
-/* A static function of which one copy is enough: print drivers count bytes. */
+/* Print drivers count bytes. APART: one copy is enough. COLD: runs once a page, make it small. */
 #if defined(__clang__)
 #define LCOR_APART __attribute__((noinline))
+#define LCOR_COLD  __attribute__((cold))
 #elif defined(__GNUC__)
 #define LCOR_APART __attribute__((noinline, noclone))
+#define LCOR_COLD  __attribute__((cold))
 #else
 #define LCOR_APART
+#define LCOR_COLD
 #endif
 
 /* Fill *err (may be NULL) and return `status`, so that a failure is one return statement.

@@ -26,7 +26,7 @@ void lcor_internal_mat3_apply(const double m[9], const double in[3], double out[
 }
 
 /* 0 if m has no inverse worth the name: fewer than three good digits would be left */
-static int mat3_invert(const double m[9], double inv[9])
+static LCOR_COLD int mat3_invert(const double m[9], double inv[9])
 {
     double cof[9], det, largest = 0.0;
 
@@ -45,9 +45,9 @@ static int mat3_invert(const double m[9], double inv[9])
     return 1;
 }
 
-lcor_status lcor_colour_init(lcor_colour *colour, lcor_primaries primaries, const double *matrix,
-                             lcor_transfer transfer, double gamma, lcor_lightness lightness,
-                             lcor_error *err)
+LCOR_COLD lcor_status lcor_colour_init(lcor_colour *colour, lcor_primaries primaries,
+                                       const double *matrix, lcor_transfer transfer, double gamma,
+                                       lcor_lightness lightness, lcor_error *err)
 {
     static const double ones[3] = {1.0, 1.0, 1.0};
     lcor_colour c;

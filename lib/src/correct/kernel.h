@@ -10,7 +10,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M' /* little stack, no vectors */
+enum { LCOR_BLOCK = 32, LCOR_GATHERED = 16 };
+#else
 enum { LCOR_BLOCK = 64, LCOR_GATHERED = 32 };
+#endif
 
 #if defined(__GNUC__)
 #define LCOR_ALIGNED __attribute__((aligned(64)))

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-static lcor_status check_numbers(const lcor_plan_options *o, lcor_error *err)
+static LCOR_COLD lcor_status check_numbers(const lcor_plan_options *o, lcor_error *err)
 {
     if (!(o->contrast > 1.0))
         return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1, "contrast must be > 1 (eq 13a)");
@@ -25,7 +25,7 @@ static lcor_status check_numbers(const lcor_plan_options *o, lcor_error *err)
     return LCOR_OK;
 }
 
-static lcor_status check_choices(const lcor_plan_options *o, lcor_error *err)
+static LCOR_COLD lcor_status check_choices(const lcor_plan_options *o, lcor_error *err)
 {
     if ((unsigned)o->reading > LCOR_READING_TEXEL)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "unknown reading %d", (int)o->reading);
@@ -42,7 +42,7 @@ static lcor_status check_choices(const lcor_plan_options *o, lcor_error *err)
 }
 
 /* Channels of one pixel, or of neighbours, must not fall on one another. */
-static lcor_status check_layout(lcor_layout *layout, const char *which, lcor_error *err)
+static LCOR_COLD lcor_status check_layout(lcor_layout *layout, const char *which, lcor_error *err)
 {
     const size_t p = layout->pixel_step, c = layout->channel_step;
 
@@ -59,7 +59,7 @@ static lcor_status check_layout(lcor_layout *layout, const char *which, lcor_err
     return LCOR_OK;
 }
 
-static lcor_status check_tone(const lcor_plan_options *o, lcor_error *err)
+static LCOR_COLD lcor_status check_tone(const lcor_plan_options *o, lcor_error *err)
 {
     if ((o->tone_curve == NULL) != (o->tone_size == 0) || o->tone_size == 1 ||
         o->tone_size > (1u << 24))
@@ -75,7 +75,7 @@ static lcor_status check_tone(const lcor_plan_options *o, lcor_error *err)
     return LCOR_OK;
 }
 
-static void digest(lcor_plan *p, const lcor_plan_options *o)
+static LCOR_COLD void digest(lcor_plan *p, const lcor_plan_options *o)
 {
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
@@ -95,7 +95,7 @@ static void digest(lcor_plan *p, const lcor_plan_options *o)
 }
 
 /* Row sums of n in float: grey must come out grey, and white exactly 1. */
-static void round_matrix(const double from[9], float n[9])
+static LCOR_COLD void round_matrix(const double from[9], float n[9])
 {
     for (int i = 0; i < 9; i += 3) {
         float sum;
@@ -111,7 +111,7 @@ static void round_matrix(const double from[9], float n[9])
 
 static int is_moderate(double x) { return x == 0.0 || (x > 1e-25 && x < 1e25); }
 
-static void set_transfer(const lcor_colour *c, lcor_kernel_constants *k)
+static LCOR_COLD void set_transfer(const lcor_colour *c, lcor_kernel_constants *k)
 {
     const float huge = 18446744073709551616.0f; /* 2^64 */
     const float g = (float)c->gamma, over_g = (float)(1.0 / c->gamma);
@@ -138,7 +138,7 @@ static void set_transfer(const lcor_colour *c, lcor_kernel_constants *k)
 }
 
 /* Constants of the float path; p->kernel stays NULL where that path would lose accuracy. */
-static void prepare_kernel(lcor_plan *p)
+static LCOR_COLD void prepare_kernel(lcor_plan *p)
 {
     lcor_kernel_constants *k = &p->k;
     const double slope = p->r_mean > 0.0 ? p->gain / p->r_mean : 0.0;
@@ -170,7 +170,8 @@ static void prepare_kernel(lcor_plan *p)
     p->kernel = lcor_internal_kernel(0);
 }
 
-lcor_status lcor_plan_new(const lcor_plan_options *options, lcor_plan **out, lcor_error *err)
+LCOR_COLD lcor_status lcor_plan_new(const lcor_plan_options *options, lcor_plan **out,
+                                    lcor_error *err)
 {
     lcor_plan_options o;
     lcor_plan p, *plan;

@@ -48,7 +48,17 @@ static int same_device_values(const lcor_profile_reading *a, const lcor_profile_
     return 1;
 }
 
-static const lcor_profile_reading *darkest(const lcor_profile *profile)
+/* The first reading of a patch that counts; NULL: there is none. */
+static const lcor_profile_reading *find(const lcor_profile *profile,
+                                        int (*is_wanted)(const lcor_profile_reading *r))
+{
+    for (size_t i = 0; i < profile->count; i++)
+        if (!profile->readings[i].rejected && is_wanted(&profile->readings[i]))
+            return &profile->readings[i];
+    return NULL;
+}
+
+static const lcor_profile_reading *find_darkest(const lcor_profile *profile)
 {
     const lcor_profile_reading *found = NULL;
     for (size_t i = 0; i < profile->count; i++) {
@@ -123,36 +133,18 @@ double lcor_internal_student95(double freedom)
                          g * (3.0 * z5 * z * z + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / 384.0));
 }
 
-typedef int (*patch_test)(const lcor_profile_reading *r, const lcor_profile_reading *like);
-
-static int is_white(const lcor_profile_reading *r, const lcor_profile_reading *like)
-{
-    (void)like;
-    return lcor_internal_is_white(r);
-}
-
-static int is_full_black(const lcor_profile_reading *r, const lcor_profile_reading *like)
-{
-    (void)like;
-    return lcor_internal_is_full_black(r);
-}
-
-/* Statistics of the readings that `wanted` accepts. */
-static patch_statistics gather(const lcor_profile *profile, patch_test wanted,
-                               const lcor_profile_reading *like, double *scratch)
+/* Statistics of the readings of the same patch as `like`. */
+static patch_statistics gather(const lcor_profile *profile, const lcor_profile_reading *like,
+                               double *scratch)
 {
     size_t n = 0;
-    double step = 0.0;
+    const double step = like->has & LCOR_HAS_VISUAL ? profile->resolution
+                                                    : profile->resolution / like->xyz[1] / LN10;
     for (size_t i = 0; i < profile->count; i++) {
         const lcor_profile_reading *r = &profile->readings[i];
-        if (r->rejected || !wanted(r, like))
-            continue;
-        step =
-            r->has & LCOR_HAS_VISUAL ? profile->resolution : profile->resolution / r->xyz[1] / LN10;
-        scratch[n++] = lcor_internal_density(r);
+        if (!r->rejected && same_device_values(r, like))
+            scratch[n++] = lcor_internal_density(r);
     }
-    if (n == 0)
-        return (patch_statistics){.n = 0};
     qsort(scratch, n, sizeof *scratch, by_value);
     return describe(scratch, n, step);
 }
@@ -193,24 +185,23 @@ lcor_status lcor_profile_evaluate(const lcor_profile *profile, lcor_profile_resu
 {
     if (!profile || !out)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "profile or result is NULL");
-    const lcor_profile_reading *like = darkest(profile);
-    if (!like)
-        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1, "the profile holds no readings");
+    const lcor_profile_reading *white = find(profile, lcor_internal_is_white);
+    const lcor_profile_reading *black = profile->black == LCOR_BLACK_DARKEST
+                                            ? find_darkest(profile)
+                                            : find(profile, lcor_internal_is_full_black);
+    if (!white)
+        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1,
+                                  "no reading of white (RGB 255 255 255, or CMYK 0 0 0 0)");
+    if (!black)
+        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1,
+                                  "no reading of black (RGB 0 0 0, or K 100 %% alone)");
     double *scratch = lcor_internal_alloc(&profile->allocator, profile->count * sizeof *scratch);
     if (!scratch)
         return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory to sort the readings");
-    const patch_statistics white = gather(profile, is_white, NULL, scratch);
-    const patch_statistics black = profile->black == LCOR_BLACK_DARKEST
-                                       ? gather(profile, same_device_values, like, scratch)
-                                       : gather(profile, is_full_black, NULL, scratch);
+    const patch_statistics white_statistics = gather(profile, white, scratch);
+    const patch_statistics black_statistics = gather(profile, black, scratch);
     lcor_internal_free(&profile->allocator, scratch);
-    if (white.n == 0)
-        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1,
-                                  "no reading of white (RGB 255 255 255, or CMYK 0 0 0 0)");
-    if (black.n == 0)
-        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1,
-                                  "no reading of black (RGB 0 0 0, or K 100 %% alone)");
-    return combine(white, black, out, err);
+    return combine(white_statistics, black_statistics, out, err);
 }
 
 double lcor_profile_contrast(const lcor_profile *profile)

@@ -102,7 +102,8 @@ static int outside(const shaft *s, const double *corners, size_t n, double touch
     return 0;
 }
 
-/* Whether segment p-q crosses the polygon, which is convex. */
+/* Whether segment p-q crosses the polygon, which is convex. An end may lie on it, as corners do
+ * where surfaces meet, but not both. */
 static int crosses(const scene_surface *o, const double *corners, const double p[3],
                    const double q[3], double touch)
 {
@@ -112,7 +113,8 @@ static int crosses(const scene_surface *o, const double *corners, const double p
     hp = vec_dot(d, o->normal);
     vec_sub(q, o->origin, d);
     hq = vec_dot(d, o->normal);
-    if (!((hp > touch && hq < -touch) || (hp < -touch && hq > touch)))
+    if (!((hp > touch && hq <= touch) || (hp < -touch && hq >= -touch) ||
+          (hq > touch && hp <= touch) || (hq < -touch && hp >= -touch)))
         return 0;
     for (int k = 0; k < 3; k++)
         at[k] = p[k] + hp / (hp - hq) * (q[k] - p[k]);
@@ -122,8 +124,9 @@ static int crosses(const scene_surface *o, const double *corners, const double p
 
         vec_sub(b, a, edge);
         vec_cross(o->normal, edge, inward);
+        (void)vec_normalize(inward);
         vec_sub(at, a, d);
-        if (vec_dot(d, inward) < 0)
+        if (vec_dot(d, inward) < -touch)
             return 0;
     }
     return 1;

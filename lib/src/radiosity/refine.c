@@ -226,7 +226,7 @@ static int refine_roots(links *l)
             p.receiver = (uint32_t)((face *)l->faces.items)[r].root;
             p.sender = (uint32_t)((face *)l->faces.items)[s].root;
             p.count = (uint32_t)surfaces;
-            if (r != s && links_at(l, p.sender)->b_max > 0 && !refine(l, p, links_no_block))
+            if (r != s && !refine(l, p, links_no_block))
                 return 0;
         }
     return 1;

@@ -8,6 +8,8 @@
 
 enum { KRYLOV_MAX = 60, RECEIVERS = 8 };
 
+static const double dark_share = 0.1;
+
 /* radiosity(leaf) = source or zero + rho * irradiance(leaf) */
 static void reflect(links *l, size_t element, const double *irradiance, int with_source)
 {
@@ -309,9 +311,10 @@ static void find_seen(links *l, double *seen)
 enum { SEEN, RIGHT, SOLUTION, BASIS };
 
 typedef struct work {
-    links     *l;
-    size_t     n;
-    hessenberg s;
+    links        *l;
+    size_t        n;
+    const double *closure; /* or NULL */
+    hessenberg    s;
 } work;
 
 static double *weights_of(const work *w) { return w->l->krylov.items; }
@@ -349,7 +352,7 @@ static void arnoldi(work *w, int k)
     double *v = vector_of(w, BASIS + k), *next = v + w->n, length;
 
     set_radiosity(w->l, v, 0);
-    transport(w->l, w->l->closed ? vector_of(w, SEEN) : NULL, next);
+    transport(w->l, w->closure, next);
     for (size_t i = 0; i < w->n; i++)
         next[i] = v[i] - next[i];
     for (int j = 0; j <= k; j++) {
@@ -366,11 +369,23 @@ static void arnoldi(work *w, int k)
     rotate(&w->s, k);
 }
 
+/* Closing hemispheres spreads what the links of dark senders, kept coarse, are in error over the
+ * light of all: only where no face is dark. */
+static int may_close(const links *l)
+{
+    for (size_t f = 0; f < l->faces.count; f++)
+        if (!(links_at(l, (size_t)((const face *)l->faces.items)[f].root)->b_max >
+              dark_share * l->ambient))
+            return 0;
+    return l->closed;
+}
+
 int links_solve(links *l, double tolerance, int max_iterations)
 {
     const int most = max_iterations < KRYLOV_MAX ? max_iterations : KRYLOV_MAX;
-    work      w = {l, 0, {{{0}}, {0}, {0}, {0}}};
-    double    norm, beta = 0, *first, *closure = NULL;
+    work      w = {l, 0, NULL, {{{0}}, {0}, {0}, {0}}};
+    const int closed = may_close(l);
+    double    norm, beta = 0, *first, *seen;
     int       k = 0, capacity = 8;
 
     number_leaves(l, NULL);
@@ -378,20 +393,19 @@ int links_solve(links *l, double tolerance, int max_iterations)
     if (!need_vectors(&w, BASIS + capacity))
         return 0;
     number_leaves(l, weights_of(&w));
-    find_seen(l, vector_of(&w, SEEN));
-    if (l->closed) {
-        closure = vector_of(&w, SEEN);
-        for (size_t i = 0; i < w.n; i++)
-            closure[i] = 1 / closure[i];
-    }
+    seen = vector_of(&w, SEEN);
+    find_seen(l, seen);
+    for (size_t i = 0; closed && i < w.n; i++)
+        seen[i] = 1 / seen[i];
+    w.closure = closed ? seen : NULL;
     set_radiosity(l, NULL, 1);
-    transport(l, closure, vector_of(&w, RIGHT));
+    transport(l, w.closure, vector_of(&w, RIGHT));
     memcpy(vector_of(&w, SOLUTION), vector_of(&w, RIGHT), w.n * sizeof(double));
     norm = length_of(&w, vector_of(&w, RIGHT));
     if (norm > 0) { /* the residual of x = right side is one more reflection of it */
         first = vector_of(&w, BASIS);
         set_radiosity(l, vector_of(&w, RIGHT), 0);
-        transport(l, closure, first);
+        transport(l, w.closure, first);
         beta = length_of(&w, first);
         for (size_t i = 0; beta > 0 && i < w.n; i++)
             first[i] /= beta;
@@ -402,6 +416,7 @@ int links_solve(links *l, double tolerance, int max_iterations)
     while (k < most && fabs(w.s.g[k]) > tolerance * norm) {
         if (k + 2 > capacity && !grow_vectors(&w, capacity += 8))
             return 0;
+        w.closure = closed ? vector_of(&w, SEEN) : NULL;
         arnoldi(&w, k++);
     }
     combine(&w.s, k, w.n, vector_of(&w, BASIS), vector_of(&w, SOLUTION));

@@ -248,7 +248,7 @@ static void guess_ambient(links *l)
         area += a;
     }
     l->ambient = sent / area / (1 - rho / area);
-    l->floor = 0.02 * (direct / area + l->ambient);
+    l->floor = fmax(0.02 * (direct / area + l->ambient), 1e-300); /* in the dark, anything */
 }
 
 /* A convex scene is closed everywhere if the faces fill the hemispheres over their middles. */

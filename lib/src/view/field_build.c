@@ -99,8 +99,8 @@ static lcor_status add_roots(build *b, size_t surface, lcor_error *err)
 
     for (size_t i = 0; i < seen->part_count && status == LCOR_OK; i++) {
         const field_cell root = {
-            .low = {INFINITY, INFINITY}, /* size holds the upper end until finish_roots */
-            .size = {-INFINITY, -INFINITY},
+            .low = {HUGE_VAL, HUGE_VAL}, /* size holds the upper end until finish_roots */
+            .size = {-HUGE_VAL, -HUGE_VAL},
             .surface = surface,
             .part = seen->part + i};
 
@@ -417,7 +417,9 @@ static lcor_status refine(build *b, lcor_error *err)
         if (status == LCOR_OK)
             status = report_progress(b, (double)i / (double)end, err);
     }
-    if (status == LCOR_OK && b->first == 0)
+    if (status != LCOR_OK)
+        return status;
+    if (b->first == 0)
         b->floor = dark * mean_irradiance(b);
     tolerance = affordable(b, tolerance, end);
     for (size_t i = b->first; i < end && status == LCOR_OK; i++) {

@@ -33,7 +33,7 @@ static void skip_to(row_lines *lines, double x)
  * there is none. */
 static size_t whole_until(const row_lines *lines, size_t x, size_t *surface)
 {
-    double until = INFINITY;
+    double until = HUGE_VAL;
 
     for (size_t s = 0; s < lines->count; s++) {
         const line_span *span = lines->next[s];

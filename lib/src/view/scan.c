@@ -93,7 +93,7 @@ static void cut_outline(const lcor_view *view, const view_surface *s, double y, 
 {
     const double(*corners)[2] = (const double(*)[2])view->corners.items + s->first;
     const double width = (double)view->camera.size_x;
-    double x0 = INFINITY, x1 = -INFINITY;
+    double x0 = HUGE_VAL, x1 = -HUGE_VAL;
 
     for (size_t i = 0; i < s->count; i++) {
         const double *a = corners[i], *b = corners[i + 1 < s->count ? i + 1 : 0];
@@ -229,7 +229,7 @@ lcor_status view_scan_line(view_scan *scan, double y, lcor_array *out, lcor_erro
 
     advance(scan, y);
     for (;;) {
-        double until = INFINITY;
+        double until = HUGE_VAL;
         size_t kept = 0;
         lcor_status status;
 

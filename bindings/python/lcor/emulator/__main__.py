@@ -2,6 +2,7 @@
 """Run an emulated instrument: python -m lcor.emulator --help."""
 
 import argparse
+import contextlib
 import math
 import os
 import random
@@ -167,10 +168,8 @@ def main() -> int:
     except ValueError as error:
         print(f"lcor.emulator: {error}", file=sys.stderr)
         return 2
-    try:
+    with contextlib.suppress(Unplugged, KeyboardInterrupt):
         bench.run()
-    except (Unplugged, KeyboardInterrupt):
-        pass
     bench.channel.close()
     return 0
 

@@ -33,7 +33,8 @@ class Faults:
         for text in texts:
             name, _, value = text.partition("=")
             if name not in known | WIRE:
-                raise ValueError(f"unknown fault '{name}'; known: {', '.join(sorted(known | WIRE))}")
+                names = ", ".join(sorted(known | WIRE))
+                raise ValueError(f"unknown fault '{name}'; known: {names}")
             self.values[name] = value
 
     def __contains__(self, name: str) -> bool:

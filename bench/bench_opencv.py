@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: MIT
+"""The row call against OpenCV's float RGB -> L*a*b* -> RGB pair, which does no correction at all."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import cv2
+import numpy as np
+from results import best, table, write
+
+SIDE = 4096
+KERNELS = Path(__file__).resolve().parent.parent / "build/bench/bench/bench_kernel"
+
+
+def opencv_pair() -> float:
+    """Nanoseconds a pixel of the two conversions, one thread, buffers reused."""
+    cv2.setNumThreads(1)
+    rgb = np.random.default_rng(1).random((SIDE, SIDE, 3), dtype=np.float32)
+    lab, back = np.empty_like(rgb), np.empty_like(rgb)
+
+    def pair() -> None:
+        cv2.cvtColor(rgb, cv2.COLOR_LRGB2Lab, dst=lab)
+        cv2.cvtColor(lab, cv2.COLOR_Lab2LRGB, dst=back)
+
+    return 1e9 * best(pair, 3) / SIDE**2
+
+
+def rows() -> list[list]:
+    """The same picture size through lcor_correct_row, by the compiled bench."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "kernel.json"
+        program = [str(KERNELS), str(out), "16", "f32 clip"]
+        subprocess.run(program, check=True, stdout=subprocess.DEVNULL)
+        return json.loads(out.read_text())["tables"][0]["rows"]
+
+
+def main() -> None:
+    if not KERNELS.exists():
+        sys.exit(f"bench_opencv: {KERNELS} is missing: ./dev bench builds it")
+    before, measured, after = opencv_pair(), rows(), opencv_pair()
+    pair = min(before, after)
+    lines = [["OpenCV " + cv2.__version__, pair, 1.0]]
+    lines += [["lcor " + row[0], row[2], pair / row[2]] for row in measured if row[0] != "double"]
+    note = (
+        "16 megapixels, interleaved linear float RGB, one thread, best of several. OpenCV: RGB to "
+        "L*a*b* and back, nothing else. lcor: the whole correction, gamut clipped."
+    )
+    write([table("Correction against two colour conversions", note, ["", "ns/pixel", "times"], lines)])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: MIT */
+/* Rays through the hierarchy against every primitive in turn, in scenes of any size and place. */
+#include "base/internal.h"
+#include "geometry/bvh.h"
+#include "geometry/vec.h"
+#include "testing.h"
+
+enum { PRIMS = 600, RAYS = 400 };
+
+static int brute_force(const lcor_bvh_prim *prims, const lcor_ray *ray, double *nearest)
+{
+    int found = 0;
+
+    *nearest = ray->t_max;
+    for (size_t i = 0; i < PRIMS; i++) {
+        const lcor_bvh_prim *p = &prims[i];
+        double               n[3], d[3], a[3], b[3], t, u, v, nn;
+
+        if (p->owner == ray->skip)
+            continue;
+        vec_cross(p->edge_u, p->edge_v, n);
+        nn = vec_dot(n, n);
+        vec_sub(p->origin, ray->origin, d);
+        t = vec_dot(d, n) / vec_dot(ray->direction, n);
+        if (!(t > ray->t_min && t < *nearest))
+            continue;
+        vec_add_scaled(ray->origin, t, ray->direction, a);
+        vec_sub(a, p->origin, d);
+        vec_cross(d, p->edge_v, b);
+        u = vec_dot(b, n) / nn;
+        vec_cross(p->edge_u, d, b);
+        v = vec_dot(b, n) / nn;
+        if (u < 0 || v < 0 || u > 1 || (p->parallelogram ? v : u + v) > 1)
+            continue;
+        *nearest = t;
+        found = 1;
+    }
+    return found;
+}
+
+static void fill(lcor_bvh_prim *prims, double size, double place, uint64_t *state)
+{
+    for (uint32_t i = 0; i < PRIMS; i++) {
+        const double reach = size * (i % 7 == 0 ? 0.6 : i % 11 == 0 ? 1e-4 : 0.05);
+
+        prims[i].owner = i / 2;
+        prims[i].parallelogram = i % 3 == 0;
+        for (int k = 0; k < 3; k++) {
+            prims[i].origin[k] = place + size * random_unit(state);
+            prims[i].edge_u[k] = reach * (random_unit(state) - 0.5);
+            prims[i].edge_v[k] = reach * (random_unit(state) - 0.5);
+        }
+    }
+}
+
+static void check_scene(double size, double place, const lcor_parallel *parallel)
+{
+    static lcor_bvh_prim prims[PRIMS];
+    lcor_allocator       allocator;
+    lcor_bvh            *bvh = NULL;
+    uint64_t             state = 12345;
+    uint32_t             cache = LCOR_BVH_NONE;
+    int                  hits = 0;
+
+    assert_int_equal(lcor_internal_allocator(NULL, &allocator, NULL), LCOR_OK);
+    fill(prims, size, place, &state);
+    assert_int_equal(lcor_bvh_new(PRIMS, prims, &allocator, parallel, &bvh, NULL), LCOR_OK);
+    for (int r = 0; r < RAYS; r++) {
+        lcor_ray     ray;
+        lcor_bvh_hit hit;
+        double       nearest;
+        int          found;
+
+        for (int k = 0; k < 3; k++) {
+            /* Every fourth ray comes from far outside. */
+            ray.origin[k] = place + size * (r % 4 ? random_unit(&state) : 1e3 * random_unit(&state));
+            ray.direction[k] = place + size * random_unit(&state) - ray.origin[k];
+        }
+        ray.t_min = 0;
+        ray.t_max = r % 3 ? HUGE_VAL : 0.7;
+        ray.skip = r % 5 ? LCOR_BVH_NONE : (uint32_t)(r % (PRIMS / 2));
+        found = brute_force(prims, &ray, &nearest);
+        hits += found;
+        assert_int_equal(lcor_bvh_closest(bvh, &ray, &hit), found);
+        assert_int_equal(lcor_bvh_occluded(bvh, &ray, &cache), found);
+        if (found)
+            check_near(hit.t, nearest, 1e-9 * fmax(1, fabs(place) / size) * nearest, "distance");
+    }
+    assert_true(hits > RAYS / 4);
+    lcor_bvh_free(bvh);
+}
+
+static void hits_agree_with_brute_force(void **state)
+{
+    (void)state;
+    check_scene(1, 0, NULL);
+}
+
+static void tiny_and_huge_scenes_are_no_different(void **state)
+{
+    (void)state;
+    check_scene(1e-6, 0, NULL);
+    check_scene(1e6, 0, NULL);
+    check_scene(1e-30, 0, NULL);
+}
+
+static void scenes_far_from_the_origin_are_no_different(void **state)
+{
+    (void)state;
+    check_scene(1, 1e4, NULL);
+}
+
+/* Two triangles that share an edge: no ray may slip through. */
+static void shared_edges_are_closed(void **state)
+{
+    const lcor_bvh_prim prims[2] = {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, 0, 0},
+                                    {{0, 0, 0}, {1, 1, 0}, {0, 1, 0}, 1, 0}};
+    lcor_allocator      allocator;
+    lcor_bvh           *bvh = NULL;
+    uint64_t            seed = 99;
+
+    (void)state;
+    assert_int_equal(lcor_internal_allocator(NULL, &allocator, NULL), LCOR_OK);
+    assert_int_equal(lcor_bvh_new(2, prims, &allocator, NULL, &bvh, NULL), LCOR_OK);
+    for (int r = 0; r < 2000; r++) {
+        const double on = 0.001 + 0.998 * random_unit(&seed);
+        lcor_ray     ray = {{0, 0, 0}, {0, 0, 0}, 0, 2, LCOR_BVH_NONE};
+        lcor_bvh_hit hit;
+
+        for (int k = 0; k < 3; k++) {
+            ray.origin[k] = random_unit(&seed) + (k == 2 ? 0.1 : 0);
+            ray.direction[k] = (k < 2 ? on : 0) - ray.origin[k];
+        }
+        assert_int_equal(lcor_bvh_closest(bvh, &ray, &hit), 1);
+    }
+    lcor_bvh_free(bvh);
+}
+
+static void an_empty_hierarchy_is_never_hit(void **state)
+{
+    const lcor_bvh_prim flat = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, 0, 1};
+    const lcor_ray      ray = {{0.5, 0, 1}, {0, 0, -1}, 0, 10, LCOR_BVH_NONE};
+    lcor_allocator      allocator;
+    lcor_bvh           *bvh = NULL;
+    lcor_bvh_hit        hit;
+
+    (void)state;
+    assert_int_equal(lcor_internal_allocator(NULL, &allocator, NULL), LCOR_OK);
+    for (size_t n = 0; n < 2; n++) {
+        assert_int_equal(lcor_bvh_new(n, &flat, &allocator, NULL, &bvh, NULL), LCOR_OK);
+        assert_int_equal(lcor_bvh_closest(bvh, &ray, &hit), 0);
+        lcor_bvh_free(bvh);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(hits_agree_with_brute_force),
+        cmocka_unit_test(tiny_and_huge_scenes_are_no_different),
+        cmocka_unit_test(scenes_far_from_the_origin_are_no_different),
+        cmocka_unit_test(shared_edges_are_closed),
+        cmocka_unit_test(an_empty_hierarchy_is_never_hit),
+    };
+
+    return cmocka_run_group_tests_name("bvh", tests, NULL, NULL);
+}
