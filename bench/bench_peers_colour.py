@@ -12,11 +12,10 @@ import ctypes.util
 from collections.abc import Callable
 from functools import partial
 
+import lcor
 import mpmath
 import numpy as np
 from results import best, table, write
-
-import lcor
 
 SIDE, SAMPLE = 1024, 400
 mpmath.mp.dps = 40
@@ -42,7 +41,11 @@ def srgb_matrix() -> mpmath.matrix:
 
 def to_d50(m: mpmath.matrix) -> mpmath.matrix:
     cone = mpmath.matrix(
-        [["0.8951", "0.2664", "-0.1614"], ["-0.7502", "1.7135", "0.0367"], ["0.0389", "-0.0685", "1.0296"]]
+        [
+            ["0.8951", "0.2664", "-0.1614"],
+            ["-0.7502", "1.7135", "0.0367"],
+            ["0.0389", "-0.0685", "1.0296"],
+        ]
     )
     d50 = mpmath.matrix(["0.9642", "1", "0.8249"])
     gain = [a / b for a, b in zip(cone * d50, cone * white_xyz(*D65))]
@@ -72,7 +75,12 @@ class Lcms:
         if name is None:
             raise ImportError("liblcms2 is not installed (Debian: liblcms2-2)")
         lib = ctypes.CDLL(name)
-        for call in ("cmsCreateRGBProfile", "cmsCreateLab4Profile", "cmsCreateTransform", "cmsBuildGamma"):
+        for call in (
+            "cmsCreateRGBProfile",
+            "cmsCreateLab4Profile",
+            "cmsCreateTransform",
+            "cmsBuildGamma",
+        ):
             getattr(lib, call).restype = ctypes.c_void_p
         lib.cmsBuildGamma.argtypes = [ctypes.c_void_p, ctypes.c_double]
         triple = ctypes.c_double * 3
@@ -113,7 +121,12 @@ def contestants() -> list[tuple[str, type, str, Callable[[np.ndarray], np.ndarra
 
         cv2.setNumThreads(1)
         found.append(
-            ("OpenCV " + cv2.__version__, np.float32, "D65", lambda p: cv2.cvtColor(p, cv2.COLOR_LRGB2LAB))
+            (
+                "OpenCV " + cv2.__version__,
+                np.float32,
+                "D65",
+                lambda p: cv2.cvtColor(p, cv2.COLOR_LRGB2LAB),
+            )
         )
     except ImportError as error:
         print(f"left out: {error}")
@@ -157,10 +170,14 @@ def main() -> None:
         delta = np.sqrt((error.astype(float) ** 2).sum(axis=1))
         pixels = picture.astype(dtype)
         seconds = best(lambda convert=convert, pixels=pixels: convert(pixels), 4)
-        rows.append([name, np.dtype(dtype).name, white, 1e9 * seconds / SIDE**2, delta.max(), delta.mean()])
+        rows.append(
+            [name, np.dtype(dtype).name, white, 1e9 * seconds / SIDE**2, delta.max(), delta.mean()]
+        )
     note = (
-        "One megapixel of linear sRGB in memory, processor time of the best of four runs, one thread. "
-        f"dE: distance from the 40-digit value for {SAMPLE} colours, half of them dark. Constants of "
+        "One megapixel of linear sRGB in memory, processor time of the best of four runs, one "
+        "thread. "
+        f"dE: distance from the 40-digit value for {SAMPLE} colours, half of them dark. "
+        "Constants of "
         "fewer digits (matrix, white) count as error, since the definition gives more."
     )
     columns = ["library", "type", "white", "ns/pixel", "largest dE", "mean dE"]

@@ -12,10 +12,9 @@ import tempfile
 import time
 from pathlib import Path
 
+import lcor
 import numpy as np
 from results import best, table, write
-
-import lcor
 
 FACES = {  # origin, edge_u, edge_v as the reference counts i and j, inward normal, reflectance
     "floor": ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), 0.3),
@@ -172,7 +171,9 @@ def run_radiance(truth: dict) -> list[list]:
         lines.append(f"void plastic m_{face} 0 0 5 {rho} {rho} {rho} 0 0")
         lines.append(f"m_{face} polygon {face} 0 0 12 {' '.join(map(str, corners))}")
     points, normals = centres()
-    rays = "\n".join(" ".join(map(str, row)) for row in np.hstack([points + 1e-4 * normals, normals]))
+    rays = "\n".join(
+        " ".join(map(str, row)) for row in np.hstack([points + 1e-4 * normals, normals])
+    )
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         scene = Path(folder) / "room.rad"
@@ -192,7 +193,9 @@ def run_radiance(truth: dict) -> list[list]:
                 params=[*ambient.split(), "-dt", "0", "-dc", "1"],
             )
             seconds = sum(os.times()[:4]) - start
-            values = np.array([line.split()[:3] for line in out.decode().splitlines() if line.strip()], float)
+            values = np.array(
+                [line.split()[:3] for line in out.decode().splitlines() if line.strip()], float
+            )
             got = by_face(values[:, 1])
             rows.append([f"Radiance rtrace -I, {name}", *errors(got, "E_centre", truth), seconds])
     return rows
@@ -207,19 +210,30 @@ def main() -> None:
             peers += run(truth)
         except ImportError as error:
             print(f"left out: {error}")
-    columns = ["tolerance", "true rms", "estimated rms", "true largest", "solve, s", "with patches, s", "MB"]
+    columns = [
+        "tolerance",
+        "true rms",
+        "estimated rms",
+        "true largest",
+        "solve, s",
+        "with patches, s",
+        "MB",
+    ]
     write(
         [
             table(
                 "Irradiance of the paper's room: what a tolerance costs",
-                "15,000 patch averages against the reference; processor time of the best of several "
-                "runs, one thread. The estimate is the solver's own, the true error is not known to it.",
+                "15,000 patch averages against the reference; processor time of the best of "
+                "several "
+                "runs, one thread. The estimate is the solver's own, the true error is not "
+                "known to it.",
                 columns,
                 own,
             ),
             table(
                 "Irradiance of the paper's room beside other programs",
-                "All 15,000 patches: averages by lcor and Mitsuba (one orthographic pixel a patch), "
+                "All 15,000 patches: averages by lcor and Mitsuba (one orthographic pixel a "
+                "patch), "
                 "centres by Radiance, each against that column of the reference. Processor time of "
                 "all threads, scene preparation left out.",
                 ["program", "rms error", "largest error", "seconds"],

@@ -7,10 +7,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const float  pi = 3.14159265f;
+static const float pi = 3.14159265f;
 static const double light[3] = {0.3, 0.4, 0.7};
 static const double rho[6] = {0.3, 0.8, 0.5, 0.5, 0.5, 0.5};
-static const int    normal_axis[6] = {2, 2, 0, 0, 1, 1};
+static const int normal_axis[6] = {2, 2, 0, 0, 1, 1};
 
 typedef struct room {
     size_t n, patches, all;
@@ -33,8 +33,7 @@ static double contour(const double p[3], int axis, double sign, const double cor
         c[2] = a[0] * b[1] - a[1] * b[0];
         length = sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
         if (length > 0)
-            sum += sign * c[axis] / length *
-                   atan2(length, a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+            sum += sign * c[axis] / length * atan2(length, a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
     }
     return fabs(sum) / (2 * (double)pi);
 }
@@ -43,7 +42,7 @@ static double contour(const double p[3], int axis, double sign, const double cor
 static void near_patches(const room *r, const double p[3], int axis, double sign, int s,
                          double limit, float *row)
 {
-    const int    w = normal_axis[s], u = w == 0 ? 1 : 0, v = w == 2 ? 1 : 2;
+    const int w = normal_axis[s], u = w == 0 ? 1 : 0, v = w == 2 ? 1 : 2;
     const double h = 1.0 / (double)r->n;
 
     if (fabs(p[w] - s % 2) >= limit)
@@ -51,7 +50,7 @@ static void near_patches(const room *r, const double p[3], int axis, double sign
     for (size_t i = 0; i < r->n; i++)
         for (size_t j = 0; j < r->n; j++) {
             const double at[2] = {((double)i + 0.5) * h, ((double)j + 0.5) * h};
-            double       corner[4][3];
+            double corner[4][3];
 
             if (fabs(at[0] - p[u]) >= limit || fabs(at[1] - p[v]) >= limit)
                 continue;
@@ -66,17 +65,17 @@ static void near_patches(const room *r, const double p[3], int axis, double sign
 
 static void fill_row(const room *r, size_t i)
 {
-    const int    s = (int)(i / r->patches), axis = normal_axis[s];
-    const float  sign = s % 2 ? -1 : 1, area = 1 / (float)r->patches;
-    const float  px = r->x[0][i], py = r->x[1][i], pz = r->x[2][i];
+    const int s = (int)(i / r->patches), axis = normal_axis[s];
+    const float sign = s % 2 ? -1 : 1, area = 1 / (float)r->patches;
+    const float px = r->x[0][i], py = r->x[1][i], pz = r->x[2][i];
     const double p[3] = {px, py, pz};
 
     for (int t = 0; t < 6; t++) {
         const size_t first = (size_t)t * r->patches;
         const float *x = r->x[0] + first, *y = r->x[1] + first, *z = r->x[2] + first;
         const float *mine = r->x[axis] + first, *other = r->x[normal_axis[t]] + first;
-        const float  from = p[axis], there = p[normal_axis[t]], side = t % 2 ? 1 : -1;
-        float       *row = r->matrix + i * r->all + first;
+        const float from = r->x[axis][i], there = r->x[normal_axis[t]][i], side = t % 2 ? 1 : -1;
+        float *row = r->matrix + i * r->all + first;
 
         if (t == s) {
             for (size_t j = 0; j < r->patches; j++)
@@ -87,8 +86,7 @@ static void fill_row(const room *r, size_t i)
             const float dx = x[j] - px, dy = y[j] - py, dz = z[j] - pz;
             const float r2 = dx * dx + dy * dy + dz * dz;
 
-            row[j] = sign * (mine[j] - from) * side * (other[j] - there) * (area / pi) /
-                     (r2 * r2);
+            row[j] = sign * (mine[j] - from) * side * (other[j] - there) * (area / pi) / (r2 * r2);
         }
         near_patches(r, p, axis, (double)sign, t, 4.5 / (double)r->n, row);
     }
@@ -96,8 +94,8 @@ static void fill_row(const room *r, size_t i)
 
 size_t dense_paper_room(size_t n, double *irradiance)
 {
-    room    r = {n, n * n, 6 * n * n, {NULL, NULL, NULL}, NULL, NULL, NULL};
-    float  *store = malloc(5 * r.all * sizeof *store);
+    room r = {n, n * n, 6 * n * n, {NULL, NULL, NULL}, NULL, NULL, NULL};
+    float *store = malloc(5 * r.all * sizeof *store);
     double *direct = irradiance;
 
     r.matrix = malloc(r.all * r.all * sizeof *r.matrix);
@@ -111,9 +109,9 @@ size_t dense_paper_room(size_t n, double *irradiance)
     r.b = store + 3 * r.all;
     r.e = store + 4 * r.all;
     for (size_t i = 0; i < r.all; i++) {
-        const int    s = (int)(i / r.patches), w = normal_axis[s], u = w == 0 ? 1 : 0;
+        const int s = (int)(i / r.patches), w = normal_axis[s], u = w == 0 ? 1 : 0;
         const size_t k = i % r.patches;
-        double       p[3], d2 = 0;
+        double p[3], d2 = 0;
 
         p[w] = s % 2;
         p[u] = ((double)(k / n) + 0.5) / (double)n;
@@ -132,7 +130,7 @@ size_t dense_paper_room(size_t n, double *irradiance)
 
         for (size_t i = 0; i < r.all; i++) {
             const float *row = r.matrix + i * r.all;
-            float        sum = 0;
+            float sum = 0;
 
             for (size_t j = 0; j < r.all; j++)
                 sum += row[j] * r.b[j];

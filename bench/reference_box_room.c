@@ -53,7 +53,7 @@ static double enter_box(const double o[3], const double d[3], int *axis)
 static double direct(const double x[3], const double n[3])
 {
     double d[3], r2 = 0, cosine = 0, t;
-    int    axis;
+    int axis;
 
     for (int k = 0; k < 3; k++) {
         d[k] = light[k] - x[k];
@@ -75,9 +75,9 @@ static double path(const double start[3], const double normal[3])
     for (int bounce = 0; bounce < 60; bounce++) {
         const double phi = 2 * pi * uniform(), r2 = uniform(), r = sqrt(r2);
         const double local[3] = {r * cos(phi), r * sin(phi), sqrt(1 - r2)};
-        const int    k = fabs(n[0]) > 0.5 ? 0 : fabs(n[1]) > 0.5 ? 1 : 2;
-        double       d[3], t = 1e30, hit, rho;
-        int          axis = 0, box_axis;
+        const int k = fabs(n[0]) > 0.5 ? 0 : fabs(n[1]) > 0.5 ? 1 : 2;
+        double d[3], t = 1e30, hit, rho;
+        int axis = 0, box_axis;
 
         d[k] = n[k] * local[2];
         d[(k + 1) % 3] = local[0];
@@ -117,16 +117,16 @@ static double path(const double start[3], const double normal[3])
 static void patch(int face, int i, int j, long paths)
 {
     static const char *const names[] = {"floor", "ceiling", "x0", "x1", "y0", "y1"};
-    static const int         axes[] = {2, 2, 0, 0, 1, 1};
-    const int                axis = axes[face], side = face % 2;
-    const int                u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-    double                   sum = 0, square = 0, mean;
-    const int                strata = 64;
+    static const int axes[] = {2, 2, 0, 0, 1, 1};
+    const int axis = axes[face], side = face % 2;
+    const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+    double sum = 0, square = 0, mean;
+    const int strata = 64;
 
     for (long p = 0; p < paths; p++) {
         /* Positions stratified, so that the direct light adds little noise. */
         const long cell = p % (strata * strata);
-        double     x[3], n[3] = {0, 0, 0}, value = 0;
+        double x[3], n[3] = {0, 0, 0}, value = 0;
 
         x[axis] = side;
         x[u] = (i + ((double)(cell / strata) + uniform()) / strata) / 50;

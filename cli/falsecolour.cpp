@@ -110,7 +110,7 @@ struct Scale {
 
 Scale scale_of(const std::vector<float> &lux)
 {
-    Scale scale = {INFINITY, 0.0, false};
+    Scale scale = {HUGE_VAL, 0.0, false};
     for (const float e : lux)
         if (e >= 0.0F) {
             scale.low = std::min(scale.low, static_cast<double>(e));

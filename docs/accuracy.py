@@ -42,7 +42,7 @@ def machine() -> str:
 def text(value: object) -> str:
     if isinstance(value, float):
         return f"{value:.3g}"
-    return f"{value}"
+    return f"{value}".replace("*", "\\*")
 
 
 def lines(table: dict) -> list[str]:
@@ -50,9 +50,9 @@ def lines(table: dict) -> list[str]:
     head = "| " + " | ".join(table["columns"]) + " |"
     rule = "|" + " --- |" * len(table["columns"])
     rows = ["| " + " | ".join(text(v) for v in row) + " |" for row in table["rows"]]
-    note = [table["note"], ""] if table.get("note") else []
+    note = [text(table["note"]), ""] if table.get("note") else []
     command = [f"`{table['command']}`"] if table.get("command") else []
-    return [f"## {table['title']}", "", *note, head, rule, *rows, "", *command, ""]
+    return [f"## {text(table['title'])}", "", *note, head, rule, *rows, "", *command, ""]
 
 
 def fronts(tables: list[dict]) -> list[str]:
@@ -75,7 +75,7 @@ def fronts(tables: list[dict]) -> list[str]:
             name = f"images/front{number}.png"
             (HERE / "images").mkdir(exist_ok=True)
             plots.fronts(points, cost, error, title).savefig(HERE / name, dpi=100)
-            out += [f"![{title}]({name})", ""]
+            out += [f"![{text(title)}]({name})", ""]
     return out
 
 

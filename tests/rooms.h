@@ -17,8 +17,8 @@ static inline void must(lcor_status status, const lcor_error *err)
         fail_msg("%s: %s", lcor_status_name(status), err->text);
 }
 
-/* The six faces of a cube of the given edge, facing inward, in the order of room_names. Patch (i, j)
- * of the references is patch (j, i) here where room_swapped says so. */
+/* The six faces of a cube of the given edge, facing inward, in the order of room_names. Patch (i,
+ * j) of the references is patch (j, i) here where room_swapped says so. */
 static const int room_swapped[ROOM_FACES] = {0, 1, 0, 1, 1, 0};
 
 static inline void add_room(lcor_scene *scene, double edge, const double rho[ROOM_FACES],
@@ -63,10 +63,11 @@ static inline void add_box(lcor_scene *scene, const double low[3], const double 
                            size_t patches)
 {
     const double dx = high[0] - low[0], dy = high[1] - low[1], dz = high[2] - low[2];
-    const double faces[5][9] = {
-        {low[0], low[1], high[2], dx, 0, 0, 0, dy, 0}, {low[0], low[1], low[2], 0, 0, dz, 0, dy, 0},
-        {high[0], low[1], low[2], 0, dy, 0, 0, 0, dz}, {low[0], low[1], low[2], dx, 0, 0, 0, 0, dz},
-        {low[0], high[1], low[2], 0, 0, dz, dx, 0, 0}};
+    const double faces[5][9] = {{low[0], low[1], high[2], dx, 0, 0, 0, dy, 0},
+                                {low[0], low[1], low[2], 0, 0, dz, 0, dy, 0},
+                                {high[0], low[1], low[2], 0, dy, 0, 0, 0, dz},
+                                {low[0], low[1], low[2], dx, 0, 0, 0, 0, dz},
+                                {low[0], high[1], low[2], 0, 0, dz, dx, 0, 0}};
 
     for (int f = 0; f < 5; f++) {
         lcor_surface look;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "bind.hpp"
-#include "rows.hpp"
 #include "mean.hpp"
+#include "rows.hpp"
 
 #include <cstring>
 
@@ -53,8 +53,9 @@ static nb::tuple adapt_range(double j_mean, double j_min, double j_max, double e
 }
 
 /* Rows of r, and of weights where there are any, in double. */
-class Samples {
-public:
+class Samples
+{
+  public:
     Samples(nb::handle r, nb::handle weights) : r_(r, "r", Kind::real), shape(r_.shape)
     {
         if (weights.is_none())
@@ -78,11 +79,11 @@ public:
                   w ? static_cast<const double *>(w->get(row)) : nullptr);
     }
 
-private:
+  private:
     Array r_;
     std::optional<Array> weights_;
 
-public:
+  public:
     Shape shape;
 };
 

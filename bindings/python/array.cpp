@@ -10,20 +10,18 @@
 void check(lcor_status status, const lcor_error &error)
 {
     switch (status) {
-    case LCOR_OK:
-        return;
-    case LCOR_ERR_NOMEM:
-        throw std::bad_alloc();
+    case LCOR_OK: return;
+    case LCOR_ERR_NOMEM: throw std::bad_alloc();
     case LCOR_ERR_FORMAT:
         PyErr_SetString(nb::module_::import_("lcor._errors").attr("FormatError").ptr(), error.text);
         throw nb::python_error();
     case LCOR_ERR_CANCELLED:
         if (!PyErr_Occurred()) /* else: what the progress callback raised */
-            PyErr_SetString(nb::module_::import_("lcor._errors").attr("Cancelled").ptr(), error.text);
+            PyErr_SetString(nb::module_::import_("lcor._errors").attr("Cancelled").ptr(),
+                            error.text);
         throw nb::python_error();
     case LCOR_ERR_ARG:
-    case LCOR_ERR_DOMAIN:
-        break;
+    case LCOR_ERR_DOMAIN: break;
     }
     throw nb::value_error(error.text);
 }
@@ -31,14 +29,10 @@ void check(lcor_status status, const lcor_error &error)
 size_t sample_size(lcor_sample type)
 {
     switch (type) {
-    case LCOR_F32:
-        return sizeof(float);
-    case LCOR_F64:
-        return sizeof(double);
-    case LCOR_U8:
-        return sizeof(uint8_t);
-    case LCOR_U16:
-        return sizeof(uint16_t);
+    case LCOR_F32: return sizeof(float);
+    case LCOR_F64: return sizeof(double);
+    case LCOR_U8: return sizeof(uint8_t);
+    case LCOR_U16: return sizeof(uint16_t);
     }
     return 0;
 }
@@ -108,30 +102,23 @@ static bool known(const char *format, Kind kind, lcor_sample &type)
     if (format[0] == '\0' || format[1] != '\0')
         return false;
     switch (format[0]) {
-    case 'f':
-        type = LCOR_F32;
-        return true;
-    case 'd':
-        type = LCOR_F64;
-        return true;
-    case 'B':
-        type = LCOR_U8;
-        return kind == Kind::colour;
-    case 'H':
-        type = LCOR_U16;
-        return kind == Kind::colour;
-    default:
-        return false;
+    case 'f': type = LCOR_F32; return true;
+    case 'd': type = LCOR_F64; return true;
+    case 'B': type = LCOR_U8; return kind == Kind::colour;
+    case 'H': type = LCOR_U16; return kind == Kind::colour;
+    default: return false;
     }
 }
 
 void Array::acquire(nb::handle source, Kind kind, bool writable)
 {
     object = nb::borrow(source);
-    if (PyObject_GetBuffer(source.ptr(), &buffer_.view, writable ? PyBUF_RECORDS : PyBUF_RECORDS_RO)) {
+    if (PyObject_GetBuffer(source.ptr(), &buffer_.view,
+                           writable ? PyBUF_RECORDS : PyBUF_RECORDS_RO)) {
         PyErr_Clear(); /* a read-only output, or a numpy type without a buffer format */
         if (writable)
-            throw nb::value_error((std::string(name) + " cannot be written: pass a writable array").c_str());
+            throw nb::value_error(
+                (std::string(name) + " cannot be written: pass a writable array").c_str());
         throw nb::type_error(refusal(name, source, kind).c_str());
     }
     buffer_.held = true;

@@ -50,10 +50,12 @@ struct Buffer {
 };
 
 /* One array of the caller, held as long as this lives. Made and destroyed with the GIL. */
-class Array {
-public:
+class Array
+{
+  public:
     /* An input: a buffer is taken as it is, anything else goes through numpy.asarray. A
-     * Python number, or a tuple or list of three floats, is copied without numpy's help. Raises TypeError for other sample types, naming the fix. */
+     * Python number, or a tuple or list of three floats, is copied without numpy's help. Raises
+     * TypeError for other sample types, naming the fix. */
     Array(nb::handle source, const char *name, Kind kind);
     /* An output: writable, and of exactly this shape. */
     static Array output(nb::handle target, const char *name, Kind kind, const Shape &wanted);
@@ -72,7 +74,7 @@ public:
     Py_ssize_t take_channels();
     void give_channels() { shape.n++; } /* undo it */
 
-private:
+  private:
     Array(const char *array_name, int) : name(array_name) {}
     void acquire(nb::handle source, Kind kind, bool writable);
     bool take_numbers(nb::handle source, Kind kind);
@@ -84,8 +86,8 @@ private:
 /* A fresh numpy array and the buffer to fill it through. */
 Array new_array(const Shape &shape, lcor_sample type);
 
-/* Raises ValueError when `out` shares memory with `in` in any way the row calls do not allow: as the
- * very same samples (`same_allowed`) is fine, anything else is not. */
+/* Raises ValueError when `out` shares memory with `in` in any way the row calls do not allow: as
+ * the very same samples (`same_allowed`) is fine, anything else is not. */
 void check_overlap(const Array &out, const Array &in, bool same_allowed);
 
 /* A number for a 0-dimensional result, else the array. */

@@ -17,7 +17,8 @@ static Colour make_colour(lcor_primaries primaries, nb::handle matrix, lcor_tran
         wanted.n = 2;
         wanted.dim[0] = wanted.dim[1] = 3;
         if (!(array.shape == wanted))
-            throw nb::value_error(("space has shape " + array.shape.text() + ", a matrix has (3, 3)").c_str());
+            throw nb::value_error(
+                ("space has shape " + array.shape.text() + ", a matrix has (3, 3)").c_str());
         ValueRows rows(array, wanted, LCOR_F64);
         for (size_t i = 0; i < 3; i++) {
             const auto *row = static_cast<const double *>(rows.get(i));

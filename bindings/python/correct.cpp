@@ -7,7 +7,8 @@
 #include <memory>
 #include <mutex>
 
-namespace {
+namespace
+{
 
 using PlanPointer = std::shared_ptr<const lcor_plan>;
 
@@ -68,8 +69,9 @@ struct Picture {
     }
 };
 
-class Plan {
-public:
+class Plan
+{
+  public:
     Plan(double contrast, double r_mean, double rho, double rho_ratio, double exponent,
          lcor_reading reading, lcor_gamut gamut, const Colour &colour, nb::handle tone_curve)
         : colour_(colour)
@@ -105,7 +107,7 @@ public:
     void add_to(Mean &mean, nb::handle rgb, nb::handle illuminance, nb::handle rho,
                 nb::handle weights);
 
-private:
+  private:
     template <typename Row>
     nb::tuple run(Row row_call, nb::handle rgb, nb::handle illuminance, nb::handle rho,
                   nb::handle target);
@@ -148,7 +150,8 @@ PlanPointer Plan::form(const Form &wanted)
     lcor_plan *plan = nullptr;
     lcor_error error = {};
     check(lcor_plan_new(&options, &plan, &error), error);
-    PlanPointer pointer(plan, [](const lcor_plan *p) { lcor_plan_free(const_cast<lcor_plan *>(p)); });
+    PlanPointer pointer(plan,
+                        [](const lcor_plan *p) { lcor_plan_free(const_cast<lcor_plan *>(p)); });
     plans_[next_] = {wanted, pointer};
     next_ = (next_ + 1) % plans_.size();
     return pointer;
@@ -203,8 +206,7 @@ void Plan::add_to(Mean &mean, nb::handle rgb, nb::handle illuminance, nb::handle
         in.broadcast(*w);
     }
     PixelRows texels(in.rgb, in.channel, in.shape);
-    const PlanPointer plan =
-        form({in.rgb.type, in.rgb.type, in.map, texels.layout, {3, 1}});
+    const PlanPointer plan = form({in.rgb.type, in.rgb.type, in.map, texels.layout, {3, 1}});
     nb::gil_scoped_release nogil;
     ValueRows light(in.illuminance, in.shape, in.map);
     std::optional<ValueRows> reflectance, weight;

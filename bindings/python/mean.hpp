@@ -7,8 +7,9 @@
 #include <mutex>
 
 /* lcor_mean behind a lock, since Python threads may share one. */
-class Mean {
-public:
+class Mean
+{
+  public:
     Mean() { lcor_mean_init(&value); }
     Mean(const Mean &other)
     {

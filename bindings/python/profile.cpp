@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "bind.hpp"
 #include "array.hpp"
+#include "bind.hpp"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -11,7 +11,8 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace
+{
 
 struct Profile {
     lcor_profile *profile = nullptr;
@@ -69,7 +70,8 @@ nb::object tone_curve(const Profile &self, size_t n)
     shape.dim[0] = static_cast<Py_ssize_t>(n);
     Array out = new_array(shape, LCOR_F32);
     lcor_error error = {};
-    check(lcor_profile_tone_curve(self.profile, n, reinterpret_cast<float *>(out.data), &error), error);
+    check(lcor_profile_tone_curve(self.profile, n, reinterpret_cast<float *>(out.data), &error),
+          error);
     return out.object;
 }
 
@@ -108,7 +110,8 @@ unsigned take(nb::handle source, double *out, size_t n, unsigned flag, const cha
         return 0;
     const nb::tuple values = nb::tuple(nb::borrow(source));
     if (values.size() != n)
-        throw nb::value_error((std::string(name) + " takes " + std::to_string(n) + " numbers").c_str());
+        throw nb::value_error(
+            (std::string(name) + " takes " + std::to_string(n) + " numbers").c_str());
     for (size_t i = 0; i < n; i++)
         out[i] = nb::cast<double>(nb::float_(values[i]));
     return flag;
@@ -121,7 +124,8 @@ void add(Profile &self, nb::handle rgb, nb::handle cmyk, nb::handle density,
     lcor_profile_reading r = {};
     r.id = id ? id->c_str() : nullptr;
     r.name = name.c_str();
-    r.has = take(rgb, r.rgb, 3, LCOR_HAS_RGB, "rgb") | take(cmyk, r.cmyk, 4, LCOR_HAS_CMYK, "cmyk") |
+    r.has = take(rgb, r.rgb, 3, LCOR_HAS_RGB, "rgb") |
+            take(cmyk, r.cmyk, 4, LCOR_HAS_CMYK, "cmyk") |
             take(density, r.density, 3, LCOR_HAS_COLOUR_DENSITY, "density") |
             take(xyz, r.xyz, 3, LCOR_HAS_XYZ, "xyz");
     if (visual) {
@@ -141,7 +145,8 @@ void reject(Profile &self, size_t index, bool rejected)
 void set_keyword(Profile &self, const std::string &name, const std::optional<std::string> &value)
 {
     lcor_error error = {};
-    check(lcor_profile_keyword_set(self.profile, name.c_str(), value ? value->c_str() : nullptr, &error),
+    check(lcor_profile_keyword_set(self.profile, name.c_str(), value ? value->c_str() : nullptr,
+                                   &error),
           error);
 }
 
@@ -189,9 +194,9 @@ void bind_profile(nb::module_ &m)
         .def_prop_ro("count", [](const Profile &self) { return lcor_profile_count(self.profile); })
         .def_prop_ro("grey_levels",
                      [](const Profile &self) { return lcor_profile_grey_levels(self.profile); })
-        .def_prop_rw("resolution",
-                     [](const Profile &self) { return lcor_profile_resolution(self.profile); },
-                     &set_resolution)
+        .def_prop_rw(
+            "resolution", [](const Profile &self) { return lcor_profile_resolution(self.profile); },
+            &set_resolution)
         .def_prop_ro("black",
                      [](const Profile &self) { return lcor_profile_black_get(self.profile); });
 }

@@ -7,9 +7,9 @@
 
 #include <stdexcept>
 
-static std::unique_ptr<Solution> solve(const Scene &scene, double tolerance, lcor_norm norm, lcor_engine engine,
-                      int channels, double max_seconds, uint64_t max_bytes, int threads,
-                      nb::handle callback)
+static std::unique_ptr<Solution> solve(const Scene &scene, double tolerance, lcor_norm norm,
+                                       lcor_engine engine, int channels, double max_seconds,
+                                       uint64_t max_bytes, int threads, nb::handle callback)
 {
     auto solution = std::make_unique<Solution>(scene, threads, callback);
     lcor_radiosity_options options = {};
@@ -37,7 +37,8 @@ static std::unique_ptr<Solution> solve(const Scene &scene, double tolerance, lco
 static void update(Solution &self)
 {
     if (self.users)
-        throw std::runtime_error("the solution is being read by another call: update it afterwards");
+        throw std::runtime_error(
+            "the solution is being read by another call: update it afterwards");
     const InUse scene_in_use(self.scene->users), in_use(self.users);
     lcor_error error = {};
     lcor_status status;
@@ -105,8 +106,8 @@ static nb::object at(Solution &self, nb::handle point_source, nb::handle normal_
     const Py_ssize_t normal_channel = normals.take_channels();
     Shape shape = points.shape;
     if (!shape.broadcast(normals.shape))
-        throw nb::value_error(("normals for " + normals.shape.text() + " places do not fit points for " +
-                               points.shape.text())
+        throw nb::value_error(("normals for " + normals.shape.text() +
+                               " places do not fit points for " + points.shape.text())
                                   .c_str());
     Array out = new_values(self, shape);
     const auto channels = static_cast<size_t>(lcor_solution_report(self.solution)->channels);

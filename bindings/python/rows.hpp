@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Arrays as rows of the library: the last dimension is the row, the ones before it are counted
  * through, dimensions of length 1 are repeated. A row that lies as the library reads it is handed
- * over where it is; any other is copied into a scratch row. Everything here runs without the GIL. */
+ * over where it is; any other is copied into a scratch row. Everything here runs without the GIL.
+ */
 #ifndef LCOR_PYTHON_ROWS_HPP
 #define LCOR_PYTHON_ROWS_HPP
 
@@ -12,13 +13,14 @@
 #include <vector>
 
 /* Where the rows of an array start when it is broadcast to a shape. */
-class Lane {
-public:
+class Lane
+{
+  public:
     Lane(const Array &array, const Shape &shape);
     char *row(size_t index) const;
     Py_ssize_t across = 0; /* bytes from one element of a row to the next */
 
-private:
+  private:
     char *start_;
     Shape shape_;
     Py_ssize_t step_[max_dims] = {};
@@ -29,12 +31,13 @@ size_t row_count(const Shape &shape);
 size_t row_length(const Shape &shape);
 
 /* float32 or float64 values, one an element. */
-class ValueRows {
-public:
+class ValueRows
+{
+  public:
     ValueRows(const Array &array, const Shape &shape, lcor_sample wanted);
     const void *get(size_t row);
 
-private:
+  private:
     Lane lane_;
     lcor_sample have_, want_;
     size_t n_;
@@ -44,8 +47,9 @@ private:
 };
 
 /* Pixels of three channels. `layout` is how get and put rows lie, in samples. */
-class PixelRows {
-public:
+class PixelRows
+{
+  public:
     PixelRows(const Array &array, Py_ssize_t channel_stride, const Shape &shape,
               bool packed_only = false);
     const void *get(size_t row); /* to read */
@@ -54,7 +58,7 @@ public:
 
     lcor_layout layout = {3, 1};
 
-private:
+  private:
     Lane lane_;
     Py_ssize_t channel_;
     size_t item_, n_;
@@ -63,12 +67,13 @@ private:
 };
 
 /* Three float64 numbers an element: points, normals, colours. */
-class TripleRows {
-public:
+class TripleRows
+{
+  public:
     TripleRows(const Array &array, Py_ssize_t channel_stride, const Shape &shape);
     const double *get(size_t row);
 
-private:
+  private:
     PixelRows pixels_;
     bool f32_;
     std::vector<double> scratch_;

@@ -85,8 +85,8 @@ static size_t add_polygon(Scene &self, const std::vector<Vec3> &corners, const V
     const lcor_surface surface = surface_of(reflectance, emission, nu, nv, two_sided);
     size_t id = 0;
     lcor_error error = {};
-    check(lcor_scene_add_polygon(writable(self), corners.size(), corners.data()->data(), &surface, &id,
-                                 &error),
+    check(lcor_scene_add_polygon(writable(self), corners.size(), corners.data()->data(), &surface,
+                                 &id, &error),
           error);
     return id;
 }
@@ -171,7 +171,8 @@ static nb::tuple patches(const Scene &self, size_t surface)
     return nb::make_tuple(centres.object, areas.object, nb::cast(normal));
 }
 
-static nb::object intersect(const Scene &self, const Vec3 &origin, const Vec3 &direction, double t_max)
+static nb::object intersect(const Scene &self, const Vec3 &origin, const Vec3 &direction,
+                            double t_max)
 {
     lcor_hit hit;
     if (!lcor_scene_intersect(self.handle->scene, origin.data(), direction.data(), t_max, &hit))
@@ -201,7 +202,8 @@ void bind_scene(nb::module_ &m)
         .def_prop_ro("light_count",
                      [](const Scene &self) { return lcor_scene_light_count(self.handle->scene); })
         .def("patches", &patches,
-             nb::sig("def patches(self, surface: int) -> tuple[typing.Any, typing.Any, list[float]]"))
+             nb::sig(
+                 "def patches(self, surface: int) -> tuple[typing.Any, typing.Any, list[float]]"))
         .def("intersect", &intersect,
              nb::sig("def intersect(self, origin: collections.abc.Sequence[float], "
                      "direction: collections.abc.Sequence[float], t_max: float) "

@@ -23,14 +23,15 @@ struct SceneHandle {
 };
 
 /* Marks an object as being read while the GIL is released. */
-class InUse {
-public:
+class InUse
+{
+  public:
     explicit InUse(int &users) : users_(users) { users_++; }
     InUse(const InUse &) = delete;
     InUse &operator=(const InUse &) = delete;
     ~InUse() { users_--; }
 
-private:
+  private:
     int &users_;
 };
 
@@ -39,23 +40,25 @@ struct Scene {
 };
 
 /* The caller's threads: `count` of them, made for each run. */
-class Threads {
-public:
+class Threads
+{
+  public:
     explicit Threads(int count) : count_(count) {}
     lcor_parallel parallel();
 
-private:
+  private:
     static void run(void *user, size_t n, void (*task)(void *, size_t), void *arg);
     int count_;
 };
 
 /* A Python callable as lcor_progress; Ctrl-C and exceptions cancel the call. */
-class Progress {
-public:
+class Progress
+{
+  public:
     explicit Progress(nb::handle callback) : callback_(nb::borrow(callback)) {}
     lcor_progress progress() { return {report, this}; }
 
-private:
+  private:
     static int report(void *user, double done);
     nb::object callback_;
 };

@@ -8,7 +8,8 @@
 #include <cstdint>
 #include <vector>
 
-namespace {
+namespace
+{
 
 struct View {
     std::shared_ptr<SceneHandle> scene;
@@ -70,7 +71,8 @@ std::unique_ptr<View> make_view(const Scene &scene, const Vec3 &position, const 
         nb::gil_scoped_release nogil;
         status = lcor_view_new(scene.handle->scene, &camera, &options, &view->view, &error);
         if (status == LCOR_OK)
-            view->each_span([&](size_t, const lcor_span &, size_t, size_t n) { view->pieces += n; });
+            view->each_span(
+                [&](size_t, const lcor_span &, size_t, size_t n) { view->pieces += n; });
     }
     check(status, error);
     return view;
@@ -85,10 +87,7 @@ Array list(size_t n, Py_ssize_t width, lcor_sample type)
     return new_array(shape, type);
 }
 
-double *doubles(const Array &array)
-{
-    return reinterpret_cast<double *>(array.data);
-}
+double *doubles(const Array &array) { return reinterpret_cast<double *>(array.data); }
 
 /* pixel (y, x), surface, coverage, uv, du, dv, depth of every piece */
 nb::tuple pieces(const View &self)
@@ -159,8 +158,8 @@ nb::object irradiance(View &self, Solution &solution, double tolerance, bool dir
                 uv[2 * i + 1] = places[i].uv[1];
             }
             double *values = doubles(out) + first * static_cast<size_t>(channels);
-            status = lcor_field_at(field.field, span.surface, n, uv.data(), direct ? nullptr : values,
-                                   direct ? values : nullptr, &error);
+            status = lcor_field_at(field.field, span.surface, n, uv.data(),
+                                   direct ? nullptr : values, direct ? values : nullptr, &error);
         });
     }
     check(status, error);

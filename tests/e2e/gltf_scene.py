@@ -19,7 +19,9 @@ def png(width: int, height: int, pixels: bytes, colour_type: int = 2, depth: int
     raw = b"".join(b"\0" + pixels[y * step : (y + 1) * step] for y in range(height))
 
     def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        return (
+            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        )
 
     header = struct.pack(">IIBBBBB", width, height, depth, colour_type, 0, 0, 0)
     return (
@@ -52,7 +54,7 @@ class Scene:
     def accessor(self, rows: list, component: int = 5126, **more: object) -> int:
         flat = [x for row in rows for x in (row if isinstance(row, (tuple, list)) else (row,))]
         size = len(flat) // len(rows)
-        data = struct.pack("<%d%s" % (len(flat), FORMATS[component]), *flat)
+        data = struct.pack(f"<{len(flat)}{FORMATS[component]}", *flat)
         return self.add(
             "accessors",
             {
@@ -64,7 +66,9 @@ class Scene:
             },
         )
 
-    def mesh(self, points: list, indices: list | None = None, uv: list | None = None, **more: object) -> int:
+    def mesh(
+        self, points: list, indices: list | None = None, uv: list | None = None, **more: object
+    ) -> int:
         attributes = {"POSITION": self.accessor(points)}
         if uv:
             attributes["TEXCOORD_0"] = self.accessor(uv)
@@ -90,7 +94,12 @@ class Scene:
         texture = self.add("textures", {"source": source, "sampler": sampler})
         return self.add(
             "materials",
-            {"pbrMetallicRoughness": {"baseColorTexture": {"index": texture, **info}, "metallicFactor": 0}},
+            {
+                "pbrMetallicRoughness": {
+                    "baseColorTexture": {"index": texture, **info},
+                    "metallicFactor": 0,
+                }
+            },
         )
 
     def node(self, root: bool = True, **node: object) -> int:
@@ -122,7 +131,9 @@ class Scene:
         text = json.dumps(document).encode()
         text += b" " * (-len(text) % 4)
         return (
-            struct.pack("<4sIIII", b"glTF", 2, 28 + len(text) + len(self.buffer), len(text), 0x4E4F534A)
+            struct.pack(
+                "<4sIIII", b"glTF", 2, 28 + len(text) + len(self.buffer), len(text), 0x4E4F534A
+            )
             + text
             + struct.pack("<II", len(self.buffer), 0x004E4942)
             + self.buffer

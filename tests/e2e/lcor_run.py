@@ -17,7 +17,7 @@ DATA = Path(__file__).parent.parent / "data"
 
 def lcor(*arguments: object, **options: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [str(LCOR), *map(str, arguments)], capture_output=True, text=True, timeout=120, **options
+        [str(LCOR), *map(str, arguments)], capture_output=True, text=True, timeout=200, **options
     )
 
 
@@ -59,7 +59,11 @@ def write_pfm(path: Path, rows: list[list]) -> Path:
 def pixels(path: Path) -> list[tuple[float, ...]]:
     """Stored samples of a picture, row by row, as OpenImageIO's own tool prints them."""
     run = subprocess.run(
-        ["oiiotool", "--dumpdata", str(path)], capture_output=True, text=True, check=True, timeout=60
+        ["oiiotool", "--dumpdata", str(path)],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
     )
     found = re.findall(r"Pixel \(\d+, \d+\):([-+.\de ]*)", run.stdout)
     return [tuple(float(x) for x in line.split()) for line in found]

@@ -4,6 +4,7 @@
 import math
 
 import pytest
+
 from gltf_scene import png
 from lcor_run import good, oiiotool, pixels, refused, report, write_pfm
 

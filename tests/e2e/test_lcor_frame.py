@@ -9,6 +9,7 @@ import subprocess
 import time
 
 import pytest
+
 from gltf_scene import Scene, png
 from lcor_run import DATA, LCOR, good, lcor, refused, report, write_pfm
 
@@ -219,7 +220,8 @@ def test_info_knows_a_scene_a_picture_and_a_profile(tmp_path, picture):
     profile = tmp_path / "p.cgats"
     profile.write_text(
         "CGATS.17\nNUMBER_OF_FIELDS 5\nBEGIN_DATA_FORMAT\nSAMPLE_ID RGB_R RGB_G RGB_B D_VIS\n"
-        "END_DATA_FORMAT\nNUMBER_OF_SETS 2\nBEGIN_DATA\n1 255 255 255 0.07\n2 0 0 0 1.44\nEND_DATA\n"
+        "END_DATA_FORMAT\nNUMBER_OF_SETS 2\nBEGIN_DATA\n"
+        "1 255 255 255 0.07\n2 0 0 0 1.44\nEND_DATA\n"
     )
     values = report("info", profile)
     assert values["kind"] == "profile" and values["contrast"] == pytest.approx(10**1.37)

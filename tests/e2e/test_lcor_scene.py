@@ -3,10 +3,10 @@
 
 import math
 import random
-import shutil
 import time
 
 import pytest
+
 from gltf_scene import QUAD, QUAD_UV, Scene, png
 from lcor_run import DATA, good, lcor, refused, report, table
 
@@ -60,7 +60,16 @@ def test_direct_light_of_real_scenes_is_exact(tmp_path, name):
 
 def test_cornell_box_solves_and_keeps_its_power(tmp_path):
     scene = DATA / "scenes/cornell_bevy_orig.glb"
-    result = report("irradiance", scene, "--patches", tmp_path / "e.csv", "--tolerance", "0.05")
+    result = report(
+        "irradiance",
+        scene,
+        "--patches",
+        tmp_path / "e.csv",
+        "--tolerance",
+        "0.2",
+        "--max-seconds",
+        20,
+    )
     assert (result["surfaces"], result["emitters"], result["lights"]) == (21, 1, 0)
     rows = table(tmp_path / "e.csv")
     absorbed = sum(row["area"] * row["E_total"] for row in rows)
@@ -141,8 +150,8 @@ def test_light_option_adds_a_lamp(tmp_path):
 
 def test_node_transforms_reach_geometry_and_light(tmp_path):
     scene = Scene()
-    # A quad turned to face +x, twice as large, below a parent that moves it; the mirrored scale of the
-    # other one keeps it facing the lamp.
+    # A quad turned to face +x, twice as large, below a parent that moves it; the mirrored scale of
+    # the other one keeps it facing the lamp.
     inner = scene.node(
         False,
         mesh=scene.quad(material=scene.material()),
@@ -394,13 +403,11 @@ def test_textures_of_the_room_stand_in_the_file(tmp_path):
 
 def test_box_in_the_room_looks_outwards_and_throws_shadow(tmp_path):
     room = tmp_path / "room.glb"
-    good("room", "-o", room, "--box", "0.2,0.4,0.3,0.5,0,0.3,0.6", "--patches", 5)
+    good("room", "-o", room, "--box", "0.25,0.5,0.25,0.5,0,0.25,0.6", "--patches", 5)
     info = report("info", room)
-    assert info["surfaces"] == 12 and info["area"] == pytest.approx(
-        6 + 2 * 0.04 + 4 * 0.06, rel=1e-5
-    )
-    rows, _ = at(tmp_path, room, [(0.3, 0.4, 0.3, 0, 0, 1), (0.3, 0.4, 0, 0, 0, 1)])
-    assert rows[0]["E_direct"] == pytest.approx(1 / 0.16, rel=1e-5) and rows[1]["E_direct"] == 0
+    assert info["surfaces"] == 12 and info["area"] == pytest.approx(6 + 6 * 0.0625, rel=1e-5)
+    rows, _ = at(tmp_path, room, [(0.3, 0.4, 0.25, 0, 0, 1), (0.3, 0.4, 0, 0, 0, 1)])
+    assert rows[0]["E_direct"] == pytest.approx(1 / 0.45**2, rel=1e-5) and rows[1]["E_direct"] == 0
 
 
 @pytest.mark.parametrize(
@@ -516,7 +523,7 @@ def test_points_file_keeps_its_columns_and_names_bad_lines(tmp_path):
 
 
 def test_threads_change_no_byte(tmp_path):
-    shutil.copy(DATA / "scenes/cornell_bevy_orig.glb", tmp_path / "s.glb")
+    good("room", "-o", tmp_path / "s.glb", "--patches", 5)
     out = []
     for n in (1, 2, 5):
         good(

@@ -11,9 +11,9 @@ typedef struct errors {
 /* Errors over all patches, as lcor_norm defines them. */
 static errors compare(const lcor_solution *solution, lcor_value value)
 {
-    csv     t = csv_read(LCOR_TEST_DATA "/reference/paper_room_50x50.csv");
+    csv t = csv_read(LCOR_TEST_DATA "/reference/paper_room_50x50.csv");
     double *total = malloc(ALL * sizeof *total), mean = 0;
-    errors  e = {0, 0};
+    errors e = {0, 0};
 
     assert_non_null(total);
     assert_int_equal(t.rows, ALL);
@@ -39,10 +39,10 @@ static errors compare(const lcor_solution *solution, lcor_value value)
 /* Solves at a tolerance and checks the promise and the estimate against the truth. */
 static void check_request(double tolerance, lcor_norm norm, lcor_value value)
 {
-    lcor_scene                  *scene = paper_room(N);
-    lcor_solution               *solution;
+    lcor_scene *scene = paper_room(N);
+    lcor_solution *solution;
     const lcor_radiosity_report *report;
-    errors                       e;
+    errors e;
 
     commit(scene);
     solution = solve(scene, tolerance, norm);
@@ -92,11 +92,11 @@ static void a_white_furnace_is_exact(void **state)
 
     (void)state;
     for (size_t r = 0; r < sizeof rhos / sizeof rhos[0]; r++) {
-        const double   rho[ROOM_FACES] = {rhos[r], rhos[r], rhos[r], rhos[r], rhos[r], rhos[r]};
-        double         total[ROOM_FACES * 100], worst = 0;
-        lcor_scene    *scene = NULL;
+        const double rho[ROOM_FACES] = {rhos[r], rhos[r], rhos[r], rhos[r], rhos[r], rhos[r]};
+        double total[ROOM_FACES * 100], worst = 0;
+        lcor_scene *scene = NULL;
         lcor_solution *solution;
-        lcor_error     err;
+        lcor_error err;
 
         must(lcor_scene_new(NULL, &scene, &err), &err);
         add_room(scene, 1, rho, 1, 10);
@@ -114,12 +114,13 @@ static void a_white_furnace_is_exact(void **state)
     }
 }
 
-/* The room with a box, at the patches of an independent path tracing (bench/reference_box_room.c). */
+/* The room with a box, at the patches of an independent path tracing (bench/reference_box_room.c).
+ */
 static void occlusion_agrees_with_path_tracing(void **state)
 {
-    csv            t = csv_read(LCOR_TEST_DATA "/reference/box_room_50x50.csv");
-    double        *total = malloc(ALL * sizeof *total), square = 0, noise = 0, worst = 0, mean = 0;
-    lcor_scene    *scene = paper_room(N);
+    csv t = csv_read(LCOR_TEST_DATA "/reference/box_room_50x50.csv");
+    double *total = malloc(ALL * sizeof *total), square = 0, noise = 0, worst = 0, mean = 0;
+    lcor_scene *scene = paper_room(N);
     lcor_solution *solution;
 
     (void)state;
@@ -153,9 +154,9 @@ static void occlusion_agrees_with_path_tracing(void **state)
 
 static void points_agree_with_patch_centres(void **state)
 {
-    lcor_scene    *scene = paper_room(8);
+    lcor_scene *scene = paper_room(8);
     lcor_solution *solution;
-    lcor_error     err;
+    lcor_error err;
 
     (void)state;
     add_box(scene, paper_box_low, paper_box_high, 0.5, 8);
@@ -183,11 +184,11 @@ static void points_agree_with_patch_centres(void **state)
 /* A point in free space has no element: it is gathered, and must agree with its neighbourhood. */
 static void points_in_space_are_gathered(void **state)
 {
-    const double   point[6] = {0.5, 0.5, 1e-4, 0.5, 0.5, 0}, normal[6] = {0, 0, 1, 0, 0, 1};
-    double         total[2];
-    lcor_scene    *scene = paper_room(10);
+    const double point[6] = {0.5, 0.5, 1e-4, 0.5, 0.5, 0}, normal[6] = {0, 0, 1, 0, 0, 1};
+    double total[2];
+    lcor_scene *scene = paper_room(10);
     lcor_solution *solution;
-    lcor_error     err;
+    lcor_error err;
 
     (void)state;
     commit(scene);
@@ -206,11 +207,11 @@ static void shadow_edges_are_exact_in_averages(void **state)
 
     (void)state;
     for (int pass = 0; pass < 2; pass++) {
-        const size_t   n = pass ? 24 : 3;
-        double        *direct = malloc(n * n * sizeof *direct);
-        lcor_scene    *scene = paper_room(n);
+        const size_t n = pass ? 24 : 3;
+        double *direct = malloc(n * n * sizeof *direct);
+        lcor_scene *scene = paper_room(n);
         lcor_solution *solution;
-        lcor_error     err;
+        lcor_error err;
 
         assert_non_null(direct);
         add_box(scene, paper_box_low, paper_box_high, 0.5, 1);

@@ -4,17 +4,17 @@
 
 typedef struct outcome {
     double lowest, highest, mean; /* of total irradiance over patches */
-    int    converged;
+    int converged;
 } outcome;
 
 /* Solves at 10 % within a second of processor time and looks at every patch of every surface. */
 static outcome look(lcor_scene *scene)
 {
     lcor_radiosity_options options;
-    lcor_solution         *solution = NULL;
-    lcor_error             err;
-    outcome                o = {1e300, -1e300, 0, 0};
-    double                 area = 0;
+    lcor_solution *solution = NULL;
+    lcor_error err;
+    outcome o = {1e300, -1e300, 0, 0};
+    double area = 0;
 
     commit(scene);
     memset(&options, 0, sizeof options);
@@ -23,7 +23,7 @@ static outcome look(lcor_scene *scene)
     options.max_seconds = 1;
     must(lcor_radiosity_solve(scene, &options, &solution, &err), &err);
     for (size_t s = 0; s < lcor_scene_surface_count(scene); s++) {
-        size_t  count;
+        size_t count;
         double *total, *areas;
 
         must(lcor_scene_patch_count(scene, s, &count, &err), &err);
@@ -53,8 +53,8 @@ static outcome look(lcor_scene *scene)
 static lcor_scene *room_of(double rho, double emission)
 {
     const double all[ROOM_FACES] = {rho, rho, rho, rho, rho, rho};
-    lcor_scene  *scene = NULL;
-    lcor_error   err;
+    lcor_scene *scene = NULL;
+    lcor_error err;
 
     must(lcor_scene_new(NULL, &scene, &err), &err);
     add_room(scene, 1, all, emission, 4);
@@ -64,7 +64,7 @@ static lcor_scene *room_of(double rho, double emission)
 static void add(lcor_scene *scene, const double quad[9], double rho)
 {
     lcor_surface surface;
-    lcor_error   err;
+    lcor_error err;
 
     memset(&surface, 0, sizeof surface);
     surface.reflectance[0] = surface.reflectance[1] = surface.reflectance[2] = rho;
@@ -82,7 +82,7 @@ static void light_near_a_wall_keeps_its_power(void **state)
     (void)state;
     for (int k = 0; k < 2; k++) {
         lcor_scene *scene = room_of(0.5, 0);
-        outcome     o;
+        outcome o;
 
         add_lamp(scene, 0.5, 0.5, heights[k], 1);
         o = look(scene);
@@ -94,7 +94,7 @@ static void light_near_a_wall_keeps_its_power(void **state)
 static void light_on_a_surface_is_finite(void **state)
 {
     lcor_scene *scene = room_of(0.5, 0);
-    outcome     o;
+    outcome o;
 
     (void)state;
     add_lamp(scene, 0.5, 0.5, 0, 1);
@@ -105,7 +105,7 @@ static void light_on_a_surface_is_finite(void **state)
 static void light_in_a_corner_is_finite(void **state)
 {
     lcor_scene *scene = room_of(0.5, 0);
-    outcome     o;
+    outcome o;
 
     (void)state;
     add_lamp(scene, 0, 0, 0, 1);
@@ -116,7 +116,7 @@ static void light_in_a_corner_is_finite(void **state)
 static void light_outside_a_closed_room_stays_outside(void **state)
 {
     lcor_scene *scene = room_of(0.5, 0);
-    outcome     o;
+    outcome o;
 
     (void)state;
     add_lamp(scene, 0.5, 0.5, 1.5, 1);
@@ -137,7 +137,7 @@ static void no_light_is_dark(void **state)
 static void black_room_has_direct_light_only(void **state)
 {
     lcor_scene *scene = room_of(0, 0);
-    outcome     o;
+    outcome o;
 
     (void)state;
     add_lamp(scene, 0.4, 0.5, 0.6, 1);
@@ -149,7 +149,7 @@ static void black_room_has_direct_light_only(void **state)
 static void nearly_white_room_keeps_its_power(void **state)
 {
     lcor_scene *scene = room_of(0.9999, 0);
-    outcome     o;
+    outcome o;
 
     (void)state;
     add_lamp(scene, 0.4, 0.5, 0.6, 1);
@@ -161,7 +161,7 @@ static void nearly_white_room_keeps_its_power(void **state)
 static void intensities_may_differ_by_1e8(void **state)
 {
     lcor_scene *scene = room_of(0.5, 0);
-    outcome     o;
+    outcome o;
 
     (void)state;
     add_lamp(scene, 0.3, 0.4, 0.7, 1e8);
@@ -173,10 +173,10 @@ static void intensities_may_differ_by_1e8(void **state)
 
 static void touching_and_crossing_quads_are_bounded(void **state)
 {
-    static const double shelf[9] = {0, 0.2, 0.5, 0.4, 0, 0, 0, 0.5, 0};   /* touches x = 0 */
-    static const double fin[9] = {0.2, 0.45, 0.3, 0.5, 0, 0, 0, 0, 0.4};  /* crosses the shelf */
-    lcor_scene         *scene = room_of(0.5, 0);
-    outcome             o;
+    static const double shelf[9] = {0, 0.2, 0.5, 0.4, 0, 0, 0, 0.5, 0};  /* touches x = 0 */
+    static const double fin[9] = {0.2, 0.45, 0.3, 0.5, 0, 0, 0, 0, 0.4}; /* crosses the shelf */
+    lcor_scene *scene = room_of(0.5, 0);
+    outcome o;
 
     (void)state;
     add(scene, shelf, 0.5);
@@ -189,8 +189,8 @@ static void touching_and_crossing_quads_are_bounded(void **state)
 static void slivers_of_aspect_1e6_are_bounded(void **state)
 {
     static const double sliver[9] = {0.1, 0.3, 0.5, 0.8, 0, 0, 0, 8e-7, 0};
-    lcor_scene         *scene = room_of(0.5, 0), *bare = room_of(0.5, 0);
-    outcome             with, without;
+    lcor_scene *scene = room_of(0.5, 0), *bare = room_of(0.5, 0);
+    outcome with, without;
 
     (void)state;
     add(scene, sliver, 0.5);
@@ -204,8 +204,8 @@ static void slivers_of_aspect_1e6_are_bounded(void **state)
 static void coplanar_duplicates_are_bounded(void **state)
 {
     static const double twin[9] = {0.2, 0.2, 0, 0.5, 0, 0, 0, 0.5, 0}; /* lies on the floor */
-    lcor_scene         *scene = room_of(0.5, 0);
-    outcome             o;
+    lcor_scene *scene = room_of(0.5, 0);
+    outcome o;
 
     (void)state;
     add(scene, twin, 0.5);
@@ -223,10 +223,11 @@ static void a_fan_of_triangles_is_a_floor(void **state)
     (void)state;
     for (int kind = 0; kind < 3; kind++) {
         const double half[ROOM_FACES] = {0.5, 0.5, 0.5, 0.5, 0.5, 0.5};
-        const double outline[] = {0, 0, 0, 1, 0, 0, 1, 0.3, 0, 1, 0.7, 0, 1, 1, 0, 0.4, 1, 0, 0, 1, 0};
-        lcor_scene  *scene = NULL;
+        const double outline[] = {0, 0, 0, 1, 0,   0, 1, 0.3, 0, 1, 0.7,
+                                  0, 1, 1, 0, 0.4, 1, 0, 0,   1, 0};
+        lcor_scene *scene = NULL;
         lcor_surface surface;
-        lcor_error   err;
+        lcor_error err;
 
         memset(&surface, 0, sizeof surface);
         surface.reflectance[0] = surface.reflectance[1] = surface.reflectance[2] = 0.5;
@@ -262,9 +263,9 @@ static void an_open_scene_lets_light_escape(void **state)
 {
     static const double floor_quad[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     static const double wall[9] = {0, 0, 0, 0, 1, 0, 0, 0, 1};
-    lcor_scene         *scene = NULL;
-    lcor_error          err;
-    outcome             o;
+    lcor_scene *scene = NULL;
+    lcor_error err;
+    outcome o;
 
     (void)state;
     must(lcor_scene_new(NULL, &scene, &err), &err);
@@ -279,12 +280,12 @@ static void an_open_scene_lets_light_escape(void **state)
 static void a_two_sided_wall_has_two_irradiances(void **state)
 {
     static const double wall[9] = {0.5, 0, 0, 0, 1, 0, 0, 0, 1}; /* divides the room, faces +x */
-    const double        points[6] = {0.5, 0.5, 0.5, 0.5, 0.5, 0.5}, normals[6] = {1, 0, 0, -1, 0, 0};
-    lcor_scene         *scene = room_of(0.5, 0);
-    lcor_solution      *solution;
-    lcor_surface        surface;
-    lcor_error          err;
-    double              total[2];
+    const double points[6] = {0.5, 0.5, 0.5, 0.5, 0.5, 0.5}, normals[6] = {1, 0, 0, -1, 0, 0};
+    lcor_scene *scene = room_of(0.5, 0);
+    lcor_solution *solution;
+    lcor_surface surface;
+    lcor_error err;
+    double total[2];
 
     (void)state;
     memset(&surface, 0, sizeof surface);

@@ -185,6 +185,25 @@ static const lcor_span *span_of(const lcor_view *view, size_t x, size_t y, long 
     return found;
 }
 
+/* du and dv against differences of u and v over a thousandth of a pixel. */
+static void check_derivatives(const lcor_view *view, size_t y, lcor_span at, size_t x,
+                              const lcor_place *place)
+{
+    for (int k = 0; k < 2; k++) {
+        lcor_place next;
+        double step;
+
+        at.at[0] = at.at[1] = 0.5F;
+        at.at[k] = 0.501F;
+        step = (double)at.at[k] - 0.5;
+        lcor_view_places(view, y, &at, x, 1, &next);
+        check_near((next.uv[0] - place->uv[0]) / step, place->du[k],
+                   1e-5 + 0.02 * fabs(place->du[k]), "du");
+        check_near((next.uv[1] - place->uv[1]) / step, place->dv[k],
+                   1e-5 + 0.02 * fabs(place->dv[k]), "dv");
+    }
+}
+
 static void check_pixel(const world *w, const lcor_view *view, const lcor_camera *camera, size_t x,
                         size_t y, int cull, int *compared)
 {
@@ -211,6 +230,7 @@ static void check_pixel(const world *w, const lcor_view *view, const lcor_camera
     check_near(place.uv[0], hit.u, 1e-8, "u");
     check_near(place.uv[1], hit.v, 1e-8, "v");
     check_near(place.depth, ahead, 1e-8 * ahead, "depth");
+    check_derivatives(view, y, at, x, &place);
     (*compared)++;
 }
 

@@ -43,7 +43,7 @@ static double cell_mean(const rectangle *from, const double to[12], double s0, d
 
     for (int i = 0; i < RULE_Q; i++) {
         const double s = s0 + hs * rule_x[i / RULE_P], t = t0 + ht * rule_x[i % RULE_P];
-        double       x[3];
+        double x[3];
 
         for (int k = 0; k < 3; k++)
             x[k] = from->origin[k] + graded(s) * from->u[k] + graded(t) * from->v[k];
@@ -60,7 +60,7 @@ static double adaptive(const rectangle *from, const double to[12], double s0, do
                        double ht, double whole, double accuracy, int depth)
 {
     double half[2][2], change[2];
-    int    axis;
+    int axis;
 
     for (int a = 0; a < 2; a++) {
         const double h = a == 0 ? hs / 2 : hs, w = a == 1 ? ht / 2 : ht;
@@ -145,8 +145,8 @@ static int rectangles(const char *kind, const char *p, rectangle *a, rectangle *
 static double strip_factor(const char *kind, const char *p)
 {
     const double far = 1e7, degree = 3.14159265358979323846 / 180;
-    double       sum = 0, width = 1, corners[12] = {0};
-    int          cells = 400;
+    double sum = 0, width = 1, corners[12] = {0};
+    int cells = 400;
 
     for (int i = 0; i < cells; i++)
         for (int g = 0; g < RULE_P; g++) {
@@ -154,7 +154,7 @@ static double strip_factor(const char *kind, const char *p)
             const double z0 = (double)i / cells, z = z0 + rule_x[g] / cells;
             const double at = graded(z), w = slope(z) * rule_w[g] / cells;
             const double x[3] = {at * width, 0, 0}, normal[3] = {0, 0, 1};
-            double       q[2][2];
+            double q[2][2];
 
             if (strcmp(kind, "infinite_parallel_strips") == 0) {
                 const double h = parameter(p, "h");
@@ -186,19 +186,19 @@ static double disc_factor(const char *p)
     const double r1 = parameter(p, "r1"), r2 = parameter(p, "r2"), h = parameter(p, "h");
     const double step = 2 * 3.14159265358979323846 / SECTORS;
     const double grown = r2 * sqrt(step / sin(step)), normal[3] = {0, 0, 1};
-    double       sum = 0;
+    double sum = 0;
 
     for (int i = 0; i < CELLS; i++)
         for (int g = 0; g < RULE_P; g++) {
             const double z = (i + rule_x[g]) / CELLS, rho = r1 * (1 - z * z * z); /* to the rim */
             const double w = 2 * rho / r1 * 3 * z * z * rule_w[g] / CELLS;
             const double x[3] = {rho, 0, 0};
-            double       seen = 0;
+            double seen = 0;
 
             for (int k = 0; k < SECTORS / 2; k++) { /* the other half is its mirror image */
                 const double a = k * step, b = (k + 1) * step;
-                const double triangle[9] = {0, 0, h, grown * cos(a), grown * sin(a), h,
-                                            grown * cos(b), grown * sin(b), h};
+                const double triangle[9] = {
+                    0, 0, h, grown * cos(a), grown * sin(a), h, grown * cos(b), grown * sin(b), h};
 
                 seen += 2 * lcor_factor_point(x, normal, 3, triangle);
             }
@@ -211,8 +211,8 @@ static double disc_factor(const char *p)
 static int point_factor(const char *kind, const char *p, double *factor)
 {
     const double x[3] = {0, 0, 0}, up[3] = {0, 0, 1}, along[3] = {0, 1, 0};
-    rectangle    r;
-    double       corners[12];
+    rectangle r;
+    double corners[12];
 
     if (strcmp(kind, "dA_to_parallel_rect_corner") == 0) {
         r = make(0, 0, parameter(p, "c"), 0, parameter(p, "a"), 1, parameter(p, "b"), 2, -1);
@@ -237,10 +237,10 @@ static void every_row_of_the_reference_is_met(void **state)
     (void)state;
     assert_int_equal(t.rows, 42);
     for (size_t row = 0; row < t.rows; row++) {
-        const char  *kind = csv_text(&t, row, "kind"), *p = csv_text(&t, row, "params");
+        const char *kind = csv_text(&t, row, "kind"), *p = csv_text(&t, row, "params");
         const double known = csv_number(&t, row, "F12_double");
-        double       found, tolerance = 1e-6;
-        rectangle    a, b;
+        double found, tolerance = 1e-6;
+        rectangle a, b;
 
         if (point_factor(kind, p, &found))
             tolerance = 1e-12;
@@ -267,16 +267,16 @@ static void hemispheres_of_a_closed_room_are_full(void **state)
 
     (void)state;
     for (int i = 0; i < 200; i++) {
-        const double    size[3] = {0.1 + random_unit(&seed), 0.1 + random_unit(&seed),
-                                   0.01 + random_unit(&seed)};
-        const double    x[3] = {size[0] * random_unit(&seed), size[1] * random_unit(&seed), 0};
-        const double    up[3] = {0, 0, 1};
+        const double size[3] = {0.1 + random_unit(&seed), 0.1 + random_unit(&seed),
+                                0.01 + random_unit(&seed)};
+        const double x[3] = {size[0] * random_unit(&seed), size[1] * random_unit(&seed), 0};
+        const double up[3] = {0, 0, 1};
         const rectangle faces[5] = {make(0, 0, size[2], 0, size[0], 1, size[1], 2, -1),
                                     make(0, 0, 0, 1, size[1], 2, size[2], 0, 1),
                                     make(size[0], 0, 0, 1, size[1], 2, size[2], 0, -1),
                                     make(0, 0, 0, 0, size[0], 2, size[2], 1, 1),
                                     make(0, size[1], 0, 0, size[0], 2, size[2], 1, -1)};
-        double          sum = 0;
+        double sum = 0;
 
         for (int f = 0; f < 5; f++) {
             double corners[12];
@@ -295,10 +295,10 @@ static void factors_are_reciprocal(void **state)
 
     (void)state;
     for (int i = 0; i < 6; i++) {
-        const double    w = 0.2 + random_unit(&seed), h = 0.2 + random_unit(&seed);
+        const double w = 0.2 + random_unit(&seed), h = 0.2 + random_unit(&seed);
         const rectangle a = make(0, 0, 0, 0, w, 1, h, 2, 1);
         const rectangle b = make(0.1, -0.3, 0.4 + random_unit(&seed), 0, 0.5, 1, 1.5, 2, -1);
-        const double    ab = area_factor(&a, &b, 0.001), ba = area_factor(&b, &a, 0.001);
+        const double ab = area_factor(&a, &b, 0.001), ba = area_factor(&b, &a, 0.001);
 
         check_near(w * h * ab, 0.75 * ba, 1e-9, "reciprocity");
     }
@@ -321,8 +321,8 @@ static void many_points_at_once_agree_with_one(void **state)
 {
     const double corners[4][3] = {{0, 0, 1}, {1, 0, 1}, {1.2, 1, 1.4}, {0.2, 1, 1.4}};
     const double up[3] = {0, 0, 1};
-    double       x[11], y[11], z[11], factors[11];
-    uint64_t     seed = 3;
+    double x[11], y[11], z[11], factors[11];
+    uint64_t seed = 3;
 
     (void)state;
     for (int i = 0; i < 11; i++) {

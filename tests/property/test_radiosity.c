@@ -27,12 +27,12 @@ static void run_backwards(void *user, size_t n, void (*task)(void *arg, size_t i
 
 static void bits_do_not_depend_on_the_order_of_tasks(void **state)
 {
-    double                 forward[VALUES], backward[VALUES];
-    lcor_scene            *scene = box_room();
-    lcor_solution         *one, *two = NULL;
+    double forward[VALUES], backward[VALUES];
+    lcor_scene *scene = box_room();
+    lcor_solution *one, *two = NULL;
     lcor_radiosity_options options;
-    lcor_error             err;
-    int                    calls = 0;
+    lcor_error err;
+    int calls = 0;
 
     (void)state;
     commit(scene);
@@ -56,15 +56,15 @@ static void bits_do_not_depend_on_the_order_of_tasks(void **state)
 static void results_do_not_depend_on_the_unit_of_length(void **state)
 {
     static const double scales[] = {1, 1e-6, 1e6};
-    double              values[3][VALUES];
+    double values[3][VALUES];
 
     (void)state;
     for (int k = 0; k < 3; k++) {
-        const double   a = scales[k];
-        const double   low[3] = {0.45 * a, 0.2 * a, 0}, high[3] = {0.75 * a, 0.5 * a, 0.4 * a};
-        lcor_scene    *scene = NULL;
+        const double a = scales[k];
+        const double low[3] = {0.45 * a, 0.2 * a, 0}, high[3] = {0.75 * a, 0.5 * a, 0.4 * a};
+        lcor_scene *scene = NULL;
         lcor_solution *solution;
-        lcor_error     err;
+        lcor_error err;
 
         must(lcor_scene_new(NULL, &scene, &err), &err);
         add_room(scene, a, paper_rho, 0, N);
@@ -86,13 +86,13 @@ static void results_do_not_depend_on_the_unit_of_length(void **state)
 static void irradiance_is_linear_over_the_whole_range(void **state)
 {
     static const double strengths[] = {1, 1e-4, 1e4};
-    double              values[3][VALUES];
+    double values[3][VALUES];
 
     (void)state;
     for (int k = 0; k < 3; k++) {
-        lcor_scene    *scene = NULL;
+        lcor_scene *scene = NULL;
         lcor_solution *solution;
-        lcor_error     err;
+        lcor_error err;
 
         must(lcor_scene_new(NULL, &scene, &err), &err);
         add_room(scene, 1, paper_rho, 0, N);
@@ -111,13 +111,13 @@ static void irradiance_is_linear_over_the_whole_range(void **state)
 /* After a light or a reflectance has changed, an update must agree with solving anew. */
 static void an_update_agrees_with_a_new_solution(void **state)
 {
-    double         updated[VALUES], fresh[VALUES];
-    lcor_scene    *scene = box_room(), *other = NULL;
+    double updated[VALUES], fresh[VALUES];
+    lcor_scene *scene = box_room(), *other = NULL;
     lcor_solution *solution, *again;
-    lcor_surface   look;
-    lcor_light     light;
-    lcor_error     err;
-    double         square = 0;
+    lcor_surface look;
+    lcor_light light;
+    lcor_error err;
+    double square = 0;
 
     (void)state;
     commit(scene);
@@ -158,12 +158,12 @@ static void exchange_is_reciprocal(void **state)
 
     (void)state;
     for (int k = 0; k < 2; k++) {
-        lcor_scene    *scene = paper_room(1);
+        lcor_scene *scene = paper_room(1);
         lcor_solution *solution;
-        lcor_surface   look;
-        lcor_light     dark;
-        lcor_error     err;
-        double         e;
+        lcor_surface look;
+        lcor_light dark;
+        lcor_error err;
+        double e;
 
         memset(&dark, 0, sizeof dark);
         must(lcor_scene_set_light(scene, 0, &dark, &err), &err);
@@ -185,11 +185,11 @@ static void exchange_is_reciprocal(void **state)
 /* Coloured light asks for three channels; each is what it would be alone. */
 static void channels_are_independent(void **state)
 {
-    double         coloured[ROOM_FACES * 3], grey[ROOM_FACES];
-    lcor_scene    *scene = paper_room(1), *white = paper_room(1);
+    double coloured[ROOM_FACES * 3], grey[ROOM_FACES];
+    lcor_scene *scene = paper_room(1), *white = paper_room(1);
     lcor_solution *three, *one;
-    lcor_light     light;
-    lcor_error     err;
+    lcor_light light;
+    lcor_error err;
 
     (void)state;
     memset(&light, 0, sizeof light);
@@ -221,7 +221,7 @@ static void channels_are_independent(void **state)
 }
 
 typedef struct watcher {
-    int    calls, stop_at, falling;
+    int calls, stop_at, falling;
     double last;
 } watcher;
 
@@ -236,12 +236,12 @@ static int watch(void *user, double done)
 
 static void progress_never_falls_and_can_cancel(void **state)
 {
-    lcor_scene            *scene = box_room();
-    lcor_solution         *solution = NULL;
+    lcor_scene *scene = box_room();
+    lcor_solution *solution = NULL;
     lcor_radiosity_options options;
-    lcor_error             err;
-    watcher                w = {0, 0, 0, 0};
-    int                    calls;
+    lcor_error err;
+    watcher w = {0, 0, 0, 0};
+    int calls;
 
     (void)state;
     commit(scene);
@@ -268,11 +268,11 @@ static void progress_never_falls_and_can_cancel(void **state)
 
 static void a_limit_returns_the_best_solution_unconverged(void **state)
 {
-    lcor_scene            *scene = box_room();
-    lcor_solution         *solution = NULL;
+    lcor_scene *scene = box_room();
+    lcor_solution *solution = NULL;
     lcor_radiosity_options options;
-    lcor_error             err;
-    double                 values[VALUES];
+    lcor_error err;
+    double values[VALUES];
 
     (void)state;
     commit(scene);
@@ -305,7 +305,7 @@ typedef struct failing {
 static void *failing_alloc(size_t size, void *user)
 {
     failing *f = user;
-    void    *p = f->left-- > 0 ? malloc(size) : NULL;
+    void *p = f->left-- > 0 ? malloc(size) : NULL;
 
     f->live += p != NULL;
     return p;
@@ -319,11 +319,11 @@ static void failing_free(void *p, void *user)
 
 static void every_allocation_may_fail(void **state)
 {
-    failing                f = {0, 0};
-    const lcor_allocator   allocator = {failing_alloc, failing_free, &f};
-    lcor_scene            *scene = box_room();
+    failing f = {0, 0};
+    const lcor_allocator allocator = {failing_alloc, failing_free, &f};
+    lcor_scene *scene = box_room();
     lcor_radiosity_options options;
-    lcor_status            status = LCOR_ERR_NOMEM;
+    lcor_status status = LCOR_ERR_NOMEM;
 
     (void)state;
     commit(scene);
@@ -333,7 +333,7 @@ static void every_allocation_may_fail(void **state)
     options.allocator = allocator;
     for (long k = 0; status != LCOR_OK; k += 1 + k / 8) {
         lcor_solution *solution = NULL;
-        lcor_error     err;
+        lcor_error err;
 
         assert_true(k < 10000);
         f.left = k;
@@ -347,10 +347,10 @@ static void every_allocation_may_fail(void **state)
 
 static void wrong_options_are_refused(void **state)
 {
-    lcor_scene            *scene = paper_room(2);
-    lcor_solution         *solution = NULL;
+    lcor_scene *scene = paper_room(2);
+    lcor_solution *solution = NULL;
     lcor_radiosity_options options;
-    lcor_error             err;
+    lcor_error err;
 
     (void)state;
     memset(&options, 0, sizeof options);

@@ -14,7 +14,7 @@ static int brute_force(const lcor_bvh_prim *prims, const lcor_ray *ray, double *
     *nearest = ray->t_max;
     for (size_t i = 0; i < PRIMS; i++) {
         const lcor_bvh_prim *p = &prims[i];
-        double               n[3], d[3], a[3], b[3], t, u, v, nn;
+        double n[3], d[3], a[3], b[3], t, u, v, nn;
 
         if (p->owner == ray->skip)
             continue;
@@ -56,24 +56,25 @@ static void fill(lcor_bvh_prim *prims, double size, double place, uint64_t *stat
 static void check_scene(double size, double place, const lcor_parallel *parallel)
 {
     static lcor_bvh_prim prims[PRIMS];
-    lcor_allocator       allocator;
-    lcor_bvh            *bvh = NULL;
-    uint64_t             state = 12345;
-    uint32_t             cache = LCOR_BVH_NONE;
-    int                  hits = 0;
+    lcor_allocator allocator;
+    lcor_bvh *bvh = NULL;
+    uint64_t state = 12345;
+    uint32_t cache = LCOR_BVH_NONE;
+    int hits = 0;
 
     assert_int_equal(lcor_internal_allocator(NULL, &allocator, NULL), LCOR_OK);
     fill(prims, size, place, &state);
     assert_int_equal(lcor_bvh_new(PRIMS, prims, &allocator, parallel, &bvh, NULL), LCOR_OK);
     for (int r = 0; r < RAYS; r++) {
-        lcor_ray     ray;
+        lcor_ray ray;
         lcor_bvh_hit hit;
-        double       nearest;
-        int          found;
+        double nearest;
+        int found;
 
         for (int k = 0; k < 3; k++) {
             /* Every fourth ray comes from far outside. */
-            ray.origin[k] = place + size * (r % 4 ? random_unit(&state) : 1e3 * random_unit(&state));
+            ray.origin[k] =
+                place + size * (r % 4 ? random_unit(&state) : 1e3 * random_unit(&state));
             ray.direction[k] = place + size * random_unit(&state) - ray.origin[k];
         }
         ray.t_min = 0;
@@ -115,16 +116,16 @@ static void shared_edges_are_closed(void **state)
 {
     const lcor_bvh_prim prims[2] = {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, 0, 0},
                                     {{0, 0, 0}, {1, 1, 0}, {0, 1, 0}, 1, 0}};
-    lcor_allocator      allocator;
-    lcor_bvh           *bvh = NULL;
-    uint64_t            seed = 99;
+    lcor_allocator allocator;
+    lcor_bvh *bvh = NULL;
+    uint64_t seed = 99;
 
     (void)state;
     assert_int_equal(lcor_internal_allocator(NULL, &allocator, NULL), LCOR_OK);
     assert_int_equal(lcor_bvh_new(2, prims, &allocator, NULL, &bvh, NULL), LCOR_OK);
     for (int r = 0; r < 2000; r++) {
         const double on = 0.001 + 0.998 * random_unit(&seed);
-        lcor_ray     ray = {{0, 0, 0}, {0, 0, 0}, 0, 2, LCOR_BVH_NONE};
+        lcor_ray ray = {{0, 0, 0}, {0, 0, 0}, 0, 2, LCOR_BVH_NONE};
         lcor_bvh_hit hit;
 
         for (int k = 0; k < 3; k++) {
@@ -139,10 +140,10 @@ static void shared_edges_are_closed(void **state)
 static void an_empty_hierarchy_is_never_hit(void **state)
 {
     const lcor_bvh_prim flat = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, 0, 1};
-    const lcor_ray      ray = {{0.5, 0, 1}, {0, 0, -1}, 0, 10, LCOR_BVH_NONE};
-    lcor_allocator      allocator;
-    lcor_bvh           *bvh = NULL;
-    lcor_bvh_hit        hit;
+    const lcor_ray ray = {{0.5, 0, 1}, {0, 0, -1}, 0, 10, LCOR_BVH_NONE};
+    lcor_allocator allocator;
+    lcor_bvh *bvh = NULL;
+    lcor_bvh_hit hit;
 
     (void)state;
     assert_int_equal(lcor_internal_allocator(NULL, &allocator, NULL), LCOR_OK);

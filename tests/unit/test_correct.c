@@ -355,6 +355,40 @@ static void measured_reflectance_scales_the_texture(void **state)
     }
 }
 
+/* Regression: a colour 1e-13 outside the cube lost all its chroma. */
+static void a_colour_barely_outside_keeps_its_chroma(void **state)
+{
+    const float rgb32[3] = {0.787398994f, 0.000513315f, 0.0278638f}, light = 0.0926245f;
+    lcor_plan_options o = plain_options(LCOR_F64);
+    lcor_colour colour;
+    uint64_t seed = 1;
+
+    (void)state;
+    assert_int_equal(lcor_colour_init(&colour, LCOR_PRIMARIES_NTSC, NULL, LCOR_TRANSFER_SRGB, 1.0,
+                                      LCOR_LIGHTNESS_CIE, NULL),
+                     LCOR_OK);
+    o.map_type = LCOR_F32;
+    o.colour = &colour;
+    for (int i = 0; i < 2000; i++) {
+        double kept[3], clipped[3], rgb[3];
+        lcor_plan *plan;
+
+        for (int k = 0; k < 3; k++)
+            rgb[k] = (double)rgb32[k];
+        rgb[2] += (random_unit(&seed) - 0.5) * 1e-6 * i / 1000.0; /* across the border */
+        o.gamut = LCOR_GAMUT_KEEP_HUE;
+        plan = make_plan(&o);
+        lcor_correct_row(plan, 0, 1, rgb, &light, NULL, kept, NULL);
+        lcor_plan_free(plan);
+        o.gamut = LCOR_GAMUT_CLIP;
+        plan = make_plan(&o);
+        lcor_correct_row(plan, 0, 1, rgb, &light, NULL, clipped, NULL);
+        lcor_plan_free(plan);
+        for (int k = 0; k < 3; k++)
+            check_near(kept[k], clipped[k], 2e-4, "chroma");
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(numbers_outside_the_model_are_refused),
@@ -364,6 +398,7 @@ int main(void)
                                        cmocka_unit_test(bad_pixels_are_black_counted_and_located),
                                        cmocka_unit_test(statistics_agree_between_the_paths),
                                        cmocka_unit_test(tone_curve_replaces_the_transfer_function),
+                                       cmocka_unit_test(a_colour_barely_outside_keeps_its_chroma),
                                        cmocka_unit_test(options_left_zero_mean_their_defaults),
                                        cmocka_unit_test(measured_reflectance_scales_the_texture)};
 

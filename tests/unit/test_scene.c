@@ -141,7 +141,8 @@ static void patches_cover_their_surface(void **state)
 /* Row i of a triangle holds 2 (n - i) - 1 patches, upright and inverted in turn. */
 static void triangle_patches_have_the_documented_order(void **state)
 {
-    const double known[9][2] = {{1, 1}, {2, 2}, {1, 4}, {2, 5}, {1, 7}, {4, 1}, {5, 2}, {4, 4}, {7, 1}};
+    const double known[9][2] = {{1, 1}, {2, 2}, {1, 4}, {2, 5}, {1, 7},
+                                {4, 1}, {5, 2}, {4, 4}, {7, 1}};
     lcor_scene *scene = empty();
     lcor_surface look;
     lcor_error err;

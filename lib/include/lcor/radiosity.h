@@ -32,35 +32,39 @@ typedef enum lcor_norm {
     LCOR_NORM_MAX = 1  /**< the largest */
 } lcor_norm;
 
-typedef enum lcor_engine { LCOR_ENGINE_AUTO = 0, LCOR_ENGINE_LINKS = 1, LCOR_ENGINE_GATHER = 2 } lcor_engine;
+typedef enum lcor_engine {
+    LCOR_ENGINE_AUTO = 0,
+    LCOR_ENGINE_LINKS = 1,
+    LCOR_ENGINE_GATHER = 2
+} lcor_engine;
 
 /** Zero it, set struct_size and what differs. */
 typedef struct lcor_radiosity_options {
-    size_t         struct_size;
-    double         tolerance; /**< requested error in `norm`, 1e-5..1; 0 = 0.01 */
-    lcor_norm      norm;
-    lcor_engine    engine;
-    int            channels;    /**< 0: 1 if lights and emission are all grey, else 3 */
-    double         luminance[3]; /**< weights of the channels where they are solved as one; zeros:
-                                      those of BT.709, 0.2126, 0.7152, 0.0722 */
-    double         max_seconds; /**< 0 = no limit; on reaching one the best solution is returned */
-    uint64_t       max_bytes;   /**< with report.converged = 0, not an error */
-    lcor_parallel  parallel;
-    lcor_progress  progress;
+    size_t struct_size;
+    double tolerance; /**< requested error in `norm`, 1e-5..1; 0 = 0.01 */
+    lcor_norm norm;
+    lcor_engine engine;
+    int channels;        /**< 0: 1 if lights and emission are all grey, else 3 */
+    double luminance[3]; /**< weights of the channels where they are solved as one; zeros:
+                              those of BT.709, 0.2126, 0.7152, 0.0722 */
+    double max_seconds;  /**< 0 = no limit; on reaching one the best solution is returned */
+    uint64_t max_bytes;  /**< with report.converged = 0, not an error */
+    lcor_parallel parallel;
+    lcor_progress progress;
     lcor_allocator allocator;
 } lcor_radiosity_options;
 
 /** What was done and how close it came. */
 typedef struct lcor_radiosity_report {
-    double      error_rms, error_max; /**< estimated; max as sampled */
-    double      energy_defect;        /**< |power in - absorbed - escaped| / power in */
-    int         converged;            /**< the requested norm's estimate is within tolerance */
-    int         iterations;           /**< of the linear solve, last round */
-    int         channels;
+    double error_rms, error_max; /**< estimated; max as sampled */
+    double energy_defect;        /**< |power in - absorbed - escaped| / power in */
+    int converged;               /**< the requested norm's estimate is within tolerance */
+    int iterations;              /**< of the linear solve, last round */
+    int channels;
     lcor_engine engine;
-    uint64_t    links, elements, rays, bytes; /**< bytes: the largest held at once */
-    double      seconds;
-    char        models[256]; /**< what the scene required and what was switched off, and why */
+    uint64_t links, elements, rays, bytes; /**< bytes: the largest held at once */
+    double seconds;
+    char models[256]; /**< what the scene required and what was switched off, and why */
 } lcor_radiosity_report;
 
 /** Solve a committed scene.
@@ -72,7 +76,7 @@ LCOR_API lcor_status lcor_radiosity_solve(const lcor_scene *scene,
                                           lcor_solution **out, lcor_error *err);
 /** Solve again after lcor_scene_set_light or lcor_scene_set_surface, keeping what still holds. */
 LCOR_API lcor_status lcor_solution_update(lcor_solution *solution, lcor_error *err);
-LCOR_API void        lcor_solution_free(lcor_solution *solution);
+LCOR_API void lcor_solution_free(lcor_solution *solution);
 LCOR_API const lcor_radiosity_report *lcor_solution_report(const lcor_solution *solution);
 
 typedef enum lcor_value { LCOR_VALUE_AVERAGE = 0, LCOR_VALUE_CENTRE = 1 } lcor_value;
@@ -89,9 +93,9 @@ LCOR_API lcor_status lcor_solution_patches(const lcor_solution *solution, size_t
 
 /** Irradiance at n points with unit normals (3 numbers each): direct is exact with its shadows.
  *  Points on a surface belong to the side their normal is on. n * report.channels values. */
-LCOR_API lcor_status lcor_solution_at(const lcor_solution *solution, size_t n,
-                                      const double *points, const double *normals, double *total,
-                                      double *direct, lcor_error *err);
+LCOR_API lcor_status lcor_solution_at(const lcor_solution *solution, size_t n, const double *points,
+                                      const double *normals, double *total, double *direct,
+                                      lcor_error *err);
 
 #ifdef __cplusplus
 }

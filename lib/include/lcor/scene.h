@@ -32,7 +32,7 @@ typedef struct lcor_surface {
     double reflectance[3]; /**< rho [1], 0 <= rho < 1 */
     double emission[3];    /**< emitted flux per area (exitance), >= 0 */
     size_t patches[2];     /**< grid along u and v for results; 0 = 1. It does not steer accuracy */
-    int    two_sided;      /**< reflects and emits on both sides; else the back only blocks light */
+    int two_sided;         /**< reflects and emits on both sides; else the back only blocks light */
 } lcor_surface;
 
 /** Add a parallelogram origin + s edge_u + t edge_v, facing edge_u x edge_v; a triangle facing
@@ -59,11 +59,11 @@ typedef enum lcor_light_kind {
 /** A light without area. Zero it and set what differs. */
 typedef struct lcor_light {
     lcor_light_kind kind;
-    double          position[3];  /**< point, spot */
-    double          direction[3]; /**< spot, directional: where the light goes; any length > 0 */
-    double          intensity[3]; /**< flux per steradian (point, spot) or illuminance, >= 0 */
-    double          inner_cone, outer_cone; /**< spot, radians, 0 <= inner < outer <= pi/2 */
-    double          range; /**< point, spot: KHR_lights_punctual's window; 0 = unlimited */
+    double position[3];            /**< point, spot */
+    double direction[3];           /**< spot, directional: where the light goes; any length > 0 */
+    double intensity[3];           /**< flux per steradian (point, spot) or illuminance, >= 0 */
+    double inner_cone, outer_cone; /**< spot, radians, 0 <= inner < outer <= pi/2 */
+    double range;                  /**< point, spot: KHR_lights_punctual's window; 0 = unlimited */
 } lcor_light;
 
 LCOR_API lcor_status lcor_scene_add_light(lcor_scene *scene, const lcor_light *light, size_t *id,
@@ -105,7 +105,7 @@ LCOR_API lcor_status lcor_scene_patch_geometry(const lcor_scene *scene, size_t s
 typedef struct lcor_hit {
     size_t surface;
     double t, u, v;
-    int    front;
+    int front;
 } lcor_hit;
 LCOR_API int lcor_scene_intersect(const lcor_scene *scene, const double origin[3],
                                   const double direction[3], double t_max, lcor_hit *hit);

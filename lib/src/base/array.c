@@ -14,7 +14,7 @@ void *lcor_array_reserve(const lcor_allocator *allocator, lcor_array *array, siz
         return NULL;
     if (need > array->capacity || array->items == NULL) {
         size_t capacity = array->capacity + array->capacity / 2 + 16;
-        void  *items;
+        void *items;
 
         if (capacity < need)
             capacity = need;

@@ -9,7 +9,7 @@
 
 /* An array of `count` items of one size in use, room for `capacity`. Zero-initialise. */
 typedef struct lcor_array {
-    void  *items;
+    void *items;
     size_t count, capacity;
 } lcor_array;
 

@@ -63,8 +63,9 @@ static LCOR_APART int step(const float n_[9], const lcor_outside *restrict q, se
         const int32_t out = -(e > 0.0f), found = -(side > 1.5f);
         const float new_lo = pick(out, lo, s), new_hi = pick(out, s, hi);
         /* good enough: the colour at lo touches the cube, or nothing is left between the ends */
-        const int32_t done = found | -(s == lo) | -(s == hi) | -(fabsf(e + 1e-7f) < 1e-7f) |
-                             -(new_hi - new_lo < 2e-7f);
+        const float half = 5e-8f * q->y[j]; /* dark colours are small in every respect */
+        const int32_t touches = -(fabsf(e + half) <= half), narrow = -(new_hi - new_lo < 1e-7f);
+        const int32_t done = found | touches | narrow;
 
         t->lo[j] = pick(found, lo, new_lo);
         t->hi[j] = new_hi;
@@ -86,7 +87,7 @@ static void fit(const float n[9], const lcor_outside *q, search *t)
         t->g_hi[j] = excess_at(n, q->fn[j], q->y[j], q->kx[j], q->kz[j], 1.0f);
         t->side[j] = j < q->count ? 0.0f : 2.0f;
     }
-    for (int i = 0; i < 50 && step(n, q, t) > 0; i++)
+    for (int i = 0; i < 24 && step(n, q, t) > 0; i++)
         continue;
 }
 

@@ -226,18 +226,23 @@ STAGE void ISA(chroma)(const lcor_kernel_constants *k, lcor_block *restrict b)
     }
 }
 
-/* The sign bit is set if x left 0..1 by more than rounding. */
-INNER uint32_t ISA(is_outside)(float x)
+/* The sign bit is set if x left 0..1 by more than rounding, which near 0 is the smaller the darker
+ * the colour. */
+INNER uint32_t ISA(is_outside)(float x, float slack)
 {
-    return (uint32_t)(ISA(bits)(x + 2e-7f) | ISA(bits)(1.0000002f - x));
+    return (uint32_t)(ISA(bits)(x + slack) | ISA(bits)(1.0000002f - x));
 }
 
 STAGE void ISA(find_outside)(const lcor_block *restrict b, uint8_t *restrict flags)
 {
-    EACH (j, LCOR_BLOCK)
-        flags[j] = (uint8_t)((ISA(is_outside)(b->c[0][j]) | ISA(is_outside)(b->c[1][j]) |
-                              ISA(is_outside)(b->c[2][j])) >>
-                             31);
+    EACH (j, LCOR_BLOCK) {
+        const float slack = b->v[j] * 2e-7f + 1e-8f;
+
+        flags[j] =
+            (uint8_t)((ISA(is_outside)(b->c[0][j], slack) | ISA(is_outside)(b->c[1][j], slack) |
+                       ISA(is_outside)(b->c[2][j], slack)) >>
+                      31);
+    }
 }
 
 STAGE void ISA(store)(const lcor_row_job *job, size_t at, const lcor_block *restrict b)

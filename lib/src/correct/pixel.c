@@ -51,11 +51,11 @@ static void fit_gamut(const lcor_plan *p, double y_new, double fn, double kx, do
     int side = 0;
 
     for (int i = 0; i < 64 && g_lo < 0.0 && hi - lo > 1e-16; i++) {
-        const double s = lo - (hi - lo) * (g_lo / (g_hi - g_lo));
+        double s = lo - (hi - lo) * (g_lo / (g_hi - g_lo));
         double e;
 
-        if (!(s > lo && s < hi))
-            break;
+        if (!(s > lo && s < hi)) /* one end is so close to the root that s rounds to it */
+            s = 0.5 * (lo + hi);
         rgb_at(p, y_new, fn, kx, kz, s, rgb);
         e = excess(rgb);
         if (e > 0.0) {

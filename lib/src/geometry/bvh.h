@@ -14,9 +14,9 @@
 
 /* Parallelogram origin + [0, 1] u + [0, 1] v, or the triangle of it with u + v <= 1. */
 typedef struct lcor_bvh_prim {
-    double   origin[3], edge_u[3], edge_v[3];
+    double origin[3], edge_u[3], edge_v[3];
     uint32_t owner; /* number reported by hits and compared with a ray's `skip` */
-    int      parallelogram;
+    int parallelogram;
 } lcor_bvh_prim;
 
 typedef struct lcor_bvh lcor_bvh;
@@ -26,21 +26,21 @@ enum { LCOR_BVH_NONE = UINT32_MAX / 2 }; /* no owner, no prim */
 /* Points origin + t direction with t_min < t < t_max. Primitives of owner `skip` are not met: a
  * flat surface never hides itself. */
 typedef struct lcor_ray {
-    double   origin[3], direction[3];
-    double   t_min, t_max;
+    double origin[3], direction[3];
+    double t_min, t_max;
     uint32_t skip;
 } lcor_ray;
 
 typedef struct lcor_bvh_hit {
-    double   t, u, v; /* along the primitive's edges */
+    double t, u, v; /* along the primitive's edges */
     uint32_t prim, owner;
 } lcor_bvh_hit;
 
 /* Copies the primitives. Primitives without area are never hit. */
 lcor_status lcor_bvh_new(size_t n, const lcor_bvh_prim *prims, const lcor_allocator *allocator,
                          const lcor_parallel *parallel, lcor_bvh **out, lcor_error *err);
-void        lcor_bvh_free(lcor_bvh *bvh);
-size_t      lcor_bvh_bytes(const lcor_bvh *bvh);
+void lcor_bvh_free(lcor_bvh *bvh);
+size_t lcor_bvh_bytes(const lcor_bvh *bvh);
 
 /* Nearest hit: returns 1 and fills *hit, or 0. */
 int lcor_bvh_closest(const lcor_bvh *bvh, const lcor_ray *ray, lcor_bvh_hit *hit);

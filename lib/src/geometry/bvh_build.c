@@ -20,29 +20,29 @@ typedef struct box {
 } box;
 
 typedef struct item {
-    box      bounds;
-    float    centre[3];
+    box bounds;
+    float centre[3];
     uint32_t prim;
 } item;
 
 /* left < 0: leaf of items first..first+count-1. A subtree of k items owns 2k - 1 nodes in a row,
  * so subtrees are built side by side into one array. */
 typedef struct binary_node {
-    box      bounds;
-    int64_t  left, right;
+    box bounds;
+    int64_t left, right;
     uint32_t first, count;
 } binary_node;
 
 typedef struct subtree {
     size_t node, first, count;
-    int    depth;
+    int depth;
 } subtree;
 
 typedef struct builder {
-    item        *items;
+    item *items;
     binary_node *nodes;
-    subtree      tasks[TASKS_MAX];
-    size_t       task_count, task_size;
+    subtree tasks[TASKS_MAX];
+    size_t task_count, task_size;
 } builder;
 
 static const box empty_box = {{FLT_MAX, FLT_MAX, FLT_MAX}, {-FLT_MAX, -FLT_MAX, -FLT_MAX}};
@@ -71,7 +71,7 @@ static int bin_of(float centre, float lo, float scale)
 
 typedef struct split {
     float cost;
-    int   axis, bin; /* axis -1: none found */
+    int axis, bin; /* axis -1: none found */
     float lo, scale;
 } split;
 
@@ -79,9 +79,9 @@ typedef struct split {
 static void try_axis(const item *items, size_t count, int axis, float lo, float hi, split *best)
 {
     const float scale = (float)BINS / (hi - lo);
-    size_t      number[BINS] = {0}, right_number[BINS], n = 0;
-    box         bounds[BINS], run = empty_box;
-    float       right_area[BINS];
+    size_t number[BINS] = {0}, right_number[BINS], n = 0;
+    box bounds[BINS], run = empty_box;
+    float right_area[BINS];
 
     for (int b = 0; b < BINS; b++)
         bounds[b] = empty_box;
@@ -163,8 +163,8 @@ static void build(builder *b, size_t at, size_t first, size_t count, int depth, 
 {
     for (;;) {
         binary_node *node = &b->nodes[at];
-        split        s = {FLT_MAX, -1, 0, 0, 0};
-        size_t       left;
+        split s = {FLT_MAX, -1, 0, 0, 0};
+        size_t left;
 
         if (defer && count <= b->task_size && b->task_count < TASKS_MAX) {
             b->tasks[b->task_count++] = (subtree){at, first, count, depth};
@@ -180,7 +180,8 @@ static void build(builder *b, size_t at, size_t first, size_t count, int depth, 
             s = best_split(b->items + first, count);
         if (is_leaf(node, &s))
             return;
-        left = s.axis < 0 || depth > SAH_DEPTH_MAX ? count / 2 : partition(b->items + first, count, &s);
+        left = s.axis < 0 || depth > SAH_DEPTH_MAX ? count / 2
+                                                   : partition(b->items + first, count, &s);
         node->left = (int64_t)(at + 1);
         node->right = (int64_t)(at + 2 * left);
         depth++;
@@ -216,7 +217,7 @@ static void fill_block(lcor_bvh *bvh, const builder *b, const binary_node *leaf)
     for (uint32_t i = 0; i < BVH_WIDTH; i++)
         block->sum_max[i] = -1;
     for (uint32_t i = 0; i < leaf->count; i++) {
-        const uint32_t       prim = b->items[leaf->first + i].prim;
+        const uint32_t prim = b->items[leaf->first + i].prim;
         const lcor_bvh_prim *p = &bvh->prims[prim];
 
         for (int k = 0; k < 3; k++) {
@@ -235,9 +236,9 @@ static void fill_block(lcor_bvh *bvh, const builder *b, const binary_node *leaf)
  * there. Returns the child code. */
 static int32_t collapse(lcor_bvh *bvh, const builder *b, size_t at, float pad)
 {
-    size_t    child[BVH_WIDTH];
-    int       count = 1;
-    size_t    me;
+    size_t child[BVH_WIDTH];
+    int count = 1;
+    size_t me;
     bvh_node *node;
 
     if (b->nodes[at].left < 0 && bvh->node_count > 0) {
@@ -247,7 +248,7 @@ static int32_t collapse(lcor_bvh *bvh, const builder *b, size_t at, float pad)
     me = bvh->node_count++;
     child[0] = at;
     while (count < BVH_WIDTH) {
-        int   open = -1;
+        int open = -1;
         float area = -1;
 
         for (int i = 0; i < count; i++) {
@@ -307,8 +308,8 @@ static size_t load(lcor_bvh *bvh, size_t n, const lcor_bvh_prim *prims, item *it
 
     for (size_t i = 0; i < n; i++) {
         lcor_bvh_prim *p = &bvh->prims[i];
-        item          *it = &items[used];
-        double         normal[3];
+        item *it = &items[used];
+        double normal[3];
 
         *p = prims[i];
         for (int k = 0; k < 3; k++) {
@@ -365,7 +366,7 @@ lcor_status lcor_bvh_new(size_t n, const lcor_bvh_prim *prims, const lcor_alloca
                          const lcor_parallel *parallel, lcor_bvh **out, lcor_error *err)
 {
     lcor_bvh *bvh = NULL;
-    builder   b = {0};
+    builder b = {0};
 
     if (n >= INT32_MAX / 4)
         return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "too many primitives in the scene");

@@ -16,12 +16,12 @@ static const float far_factor = 1.0f + 16 * FLT_EPSILON, far_add = 64 * FLT_EPSI
 /* A ray in the frame of the hierarchy, its direction's largest component 1. */
 typedef struct walker {
     const lcor_bvh *bvh;
-    double          origin[3], direction[3];
-    double          t_min, t_max; /* along the scaled direction; t_max shrinks to the best hit */
-    float           o[3], d[3], inverse[3], far;
-    uint32_t        skip;
-    int             found;
-    lcor_bvh_hit    hit;
+    double origin[3], direction[3];
+    double t_min, t_max; /* along the scaled direction; t_max shrinks to the best hit */
+    float o[3], d[3], inverse[3], far;
+    uint32_t skip;
+    int found;
+    lcor_bvh_hit hit;
 } walker;
 
 static void set_far(walker *w)
@@ -69,7 +69,7 @@ static void start(walker *w, const lcor_bvh *bvh, const lcor_ray *ray, double *f
 static int meet(walker *w, uint32_t index)
 {
     const lcor_bvh_prim *p = &w->bvh->prims[index];
-    double               a[3], b[3], s[3], det, u, v, t;
+    double a[3], b[3], s[3], det, u, v, t;
 
     if (p->owner == w->skip)
         return 0;
@@ -130,16 +130,16 @@ static int meet_block(walker *w, const bvh_block *block)
 
 typedef struct entry {
     int32_t child;
-    float   near;
+    float near;
 } entry;
 
 /* Pushes the children whose boxes the ray meets, the nearest on top. */
 static int push_children(const walker *w, const bvh_node *node, entry *stack, int top)
 {
     const float *lo[3], *hi[3];
-    float        near[BVH_WIDTH];
-    int          hit[BVH_WIDTH];
-    const int    bottom = top;
+    float near[BVH_WIDTH];
+    int hit[BVH_WIDTH];
+    const int bottom = top;
 
     for (int k = 0; k < 3; k++) {
         lo[k] = w->inverse[k] < 0 ? node->hi[k] : node->lo[k];
@@ -152,7 +152,7 @@ static int push_children(const walker *w, const bvh_node *node, entry *stack, in
         const float x1 = (hi[0][i] - w->o[0]) * w->inverse[0];
         const float y1 = (hi[1][i] - w->o[1]) * w->inverse[1];
         const float z1 = (hi[2][i] - w->o[2]) * w->inverse[2];
-        float       a = x0 > y0 ? x0 : y0, b = x1 < y1 ? x1 : y1;
+        float a = x0 > y0 ? x0 : y0, b = x1 < y1 ? x1 : y1;
 
         a = a > z0 ? a : z0;
         b = b < z1 ? b : z1;
@@ -176,7 +176,7 @@ static int push_children(const walker *w, const bvh_node *node, entry *stack, in
 static void walk(walker *w, int any, uint32_t *block)
 {
     entry stack[STACK_MAX];
-    int   top = 1;
+    int top = 1;
 
     if (w->bvh->node_count == 0 || !(w->t_min < w->t_max))
         return;
@@ -211,8 +211,8 @@ int lcor_bvh_closest(const lcor_bvh *bvh, const lcor_ray *ray, lcor_bvh_hit *hit
 
 int lcor_bvh_occluded(const lcor_bvh *bvh, const lcor_ray *ray, uint32_t *cache)
 {
-    walker   w;
-    double   factor, shift;
+    walker w;
+    double factor, shift;
     uint32_t block = LCOR_BVH_NONE;
 
     start(&w, bvh, ray, &factor, &shift);

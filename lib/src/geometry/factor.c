@@ -27,10 +27,10 @@ static inline double angle(double y, double x)
 {
     const double ax = x < 0 ? -x : x;
     const double low = y < ax ? y : ax, high = y < ax ? ax : y;
-    const int    big = low > tan_eighth_pi * high;
+    const int big = low > tan_eighth_pi * high;
     const double top = big ? low - high : low, bottom = big ? low + high : high;
     const double t = top / (bottom > 0 ? bottom : 1), z = t * t;
-    double       sum = atan_terms[11];
+    double sum = atan_terms[11];
 
     for (int k = 10; k >= 0; k--)
         sum = sum * z + atan_terms[k];
@@ -39,16 +39,16 @@ static inline double angle(double y, double x)
     return x < 0 ? 2 * half_pi - sum : sum;
 }
 
-/* Contour integral over corners already relative to x and not below its plane. The angle between two
- * corners from cross and dot product keeps full precision where acos of the dot product would lose
- * half of the digits. */
+/* Contour integral over corners already relative to x and not below its plane. The angle between
+ * two corners from cross and dot product keeps full precision where acos of the dot product would
+ * lose half of the digits. */
 static double contour(const double normal[3], size_t n, const double (*r)[3])
 {
     double sum = 0;
 
     for (size_t i = 0; i < n; i++) {
         const double *a = r[i], *b = r[i + 1 < n ? i + 1 : 0];
-        double        c[3], length;
+        double c[3], length;
 
         vec_cross(a, b, c);
         length = vec_length(c);
@@ -64,7 +64,7 @@ static size_t clip(const double normal[3], size_t n, const double (*r)[3], doubl
 
     for (size_t i = 0; i < n; i++) {
         const double *a = r[i], *b = r[i + 1 < n ? i + 1 : 0];
-        const double  ha = vec_dot(a, normal), hb = vec_dot(b, normal);
+        const double ha = vec_dot(a, normal), hb = vec_dot(b, normal);
 
         if (ha >= 0)
             vec_copy(a, out[m++]);
@@ -79,8 +79,8 @@ static size_t clip(const double normal[3], size_t n, const double (*r)[3], doubl
     return m;
 }
 
-size_t lcor_clip_polygon(const double x[3], const double normal[3], size_t n,
-                         const double *corners, double *out)
+size_t lcor_clip_polygon(const double x[3], const double normal[3], size_t n, const double *corners,
+                         double *out)
 {
     double r[LCOR_CLIP_MAX][3], kept[LCOR_CLIP_MAX][3];
     size_t m;
@@ -98,7 +98,7 @@ size_t lcor_clip_polygon(const double x[3], const double normal[3], size_t n,
 static double factor(const double normal[3], size_t n, double (*r)[3])
 {
     double kept[LCOR_CLIP_MAX][3];
-    int    below = 0;
+    int below = 0;
     size_t m;
 
     for (size_t i = 0; i < n; i++)
@@ -109,8 +109,7 @@ static double factor(const double normal[3], size_t n, double (*r)[3])
     return m < 3 ? 0 : contour(normal, m, (const double(*)[3])kept);
 }
 
-double lcor_factor_point(const double x[3], const double normal[3], size_t n,
-                         const double *corners)
+double lcor_factor_point(const double x[3], const double normal[3], size_t n, const double *corners)
 {
     double r[LCOR_CLIP_MAX][3];
 
@@ -126,7 +125,7 @@ void lcor_factor_points(size_t n, const double *x, const double *y, const double
 
     for (size_t base = 0; base < n; base += LANES) {
         const size_t count = n - base < LANES ? n - base : LANES;
-        double       px[LANES], py[LANES], pz[LANES], sum[LANES];
+        double px[LANES], py[LANES], pz[LANES], sum[LANES];
 
         for (size_t i = 0; i < LANES; i++) {
             const size_t k = base + (i < count ? i : 0);
@@ -142,13 +141,12 @@ void lcor_factor_points(size_t n, const double *x, const double *y, const double
             for (int i = 0; i < LANES; i++) {
                 const double ax = p[0] - px[i], ay = p[1] - py[i], az = p[2] - pz[i];
                 const double bx = q[0] - px[i], by = q[1] - py[i], bz = q[2] - pz[i];
-                const double cx = ay * bz - az * by, cy = az * bx - ax * bz,
-                             cz = ax * by - ay * bx;
+                const double cx = ay * bz - az * by, cy = az * bx - ax * bz, cz = ax * by - ay * bx;
                 const double length = sqrt(cx * cx + cy * cy + cz * cz);
                 const double across = cx * normal[0] + cy * normal[1] + cz * normal[2];
 
-                sum[i] += across / (length > 0 ? length : 1) *
-                          angle(length, ax * bx + ay * by + az * bz);
+                sum[i] +=
+                    across / (length > 0 ? length : 1) * angle(length, ax * bx + ay * by + az * bz);
             }
         }
         for (size_t i = 0; i < count; i++)

@@ -19,7 +19,7 @@ void lcor_factor_points(size_t n, const double *x, const double *y, const double
 
 /* Cuts a convex polygon by the half-space (p - x) . normal >= 0; returns the corners left. `out`
  * has room for n + 1. */
-size_t lcor_clip_polygon(const double x[3], const double normal[3], size_t n,
-                         const double *corners, double *out);
+size_t lcor_clip_polygon(const double x[3], const double normal[3], size_t n, const double *corners,
+                         double *out);
 
 #endif

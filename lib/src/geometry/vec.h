@@ -47,7 +47,7 @@ static inline void vec_cross(const double a[3], const double b[3], double out[3]
 static inline double vec_normalize(double a[3])
 {
     const double largest = fmax(fabs(a[0]), fmax(fabs(a[1]), fabs(a[2])));
-    double       length;
+    double length;
 
     if (!(largest > 0))
         return 0;

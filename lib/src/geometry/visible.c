@@ -9,7 +9,7 @@ enum { OCCLUDER_CORNERS = 44 };
 
 /* A cone with its tip in the eye: the planes through the eye and the occluder's edges. */
 typedef struct cone {
-    int    n;
+    int n;
     double point[OCCLUDER_CORNERS][3], inward[OCCLUDER_CORNERS][3];
 } cone;
 
@@ -37,7 +37,7 @@ static int cut(const visible_piece *whole, const double x[3], const double norma
     }
     in->n = out->n = 0;
     for (int i = 0; i < whole->n; i++) {
-        const int     j = i + 1 < whole->n ? i + 1 : 0;
+        const int j = i + 1 < whole->n ? i + 1 : 0;
         const double *a = whole->p[i], *b = whole->p[j];
 
         if (in->n + 2 > VISIBLE_CORNERS || out->n + 2 > VISIBLE_CORNERS)
@@ -48,7 +48,7 @@ static int cut(const visible_piece *whole, const double x[3], const double norma
             vec_copy(a, out->p[out->n++]);
         if ((height[i] > 0 && height[j] < 0) || (height[i] < 0 && height[j] > 0)) {
             const double t = height[i] / (height[i] - height[j]);
-            double       c[3];
+            double c[3];
 
             for (int k = 0; k < 3; k++)
                 c[k] = a[k] + t * (b[k] - a[k]);
@@ -80,10 +80,10 @@ void visible_clip(visible_set *set, const double x[3], const double normal[3])
 static int clip_heights(int n, double (*p)[3], double *height, double sign, double limit)
 {
     double q[OCCLUDER_CORNERS][3], h[OCCLUDER_CORNERS];
-    int    m = 0;
+    int m = 0;
 
     for (int i = 0; i < n && m + 2 <= OCCLUDER_CORNERS; i++) {
-        const int    j = i + 1 < n ? i + 1 : 0;
+        const int j = i + 1 < n ? i + 1 : 0;
         const double a = sign * (height[i] - limit), b = sign * (height[j] - limit);
 
         if (a >= 0) {
@@ -106,7 +106,7 @@ static int make_cone(cone *c, const visible_eye *eye, const double target[3],
                      const double normal[3], size_t n, const double *occluder, double touch)
 {
     double p[OCCLUDER_CORNERS][3], height[OCCLUDER_CORNERS], middle[3] = {0}, d[3];
-    int    m = (int)n, low = 0, high = 0;
+    int m = (int)n, low = 0, high = 0;
     double eye_height = 0;
 
     if (n + 2 > OCCLUDER_CORNERS)
@@ -177,7 +177,7 @@ int visible_subtract(visible_set *set, const visible_eye *eye, const double targ
                      size_t n, const double *occluder, double touch)
 {
     visible_set result;
-    cone        c;
+    cone c;
 
     if (set->count == 0 ||
         !make_cone(&c, eye, set->pieces[0].p[0], target_normal, n, occluder, touch))

@@ -8,19 +8,19 @@
 enum { VISIBLE_CORNERS = 16, VISIBLE_PIECES = 48 };
 
 typedef struct visible_piece {
-    int    n;
+    int n;
     double p[VISIBLE_CORNERS][3];
 } visible_piece;
 
 typedef struct visible_set {
-    int           count;
+    int count;
     visible_piece pieces[VISIBLE_PIECES];
 } visible_set;
 
 /* The eye is the point `at`, or with `parallel` infinitely far away in direction `at`. */
 typedef struct visible_eye {
     double at[3];
-    int    parallel;
+    int parallel;
 } visible_eye;
 
 /* Starts with the whole polygon of n corners, whose plane has `normal` on the eye's side. */

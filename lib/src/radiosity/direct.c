@@ -72,10 +72,9 @@ void light_at(const light_set *set, const double x[3], const double normal[3], u
         out[c] = 0;
     for (size_t i = 0; i < set->scene->lights.count; i++) {
         const lcor_light *light = scene_light_at(set->scene, i);
-        const double      value = lcor_direct_unshadowed(light, x, normal);
+        const double value = lcor_direct_unshadowed(light, x, normal);
 
-        if (value > 0 &&
-            (set->open[i] || !lcor_direct_shadowed(set->scene, light, x, skip, NULL)))
+        if (value > 0 && (set->open[i] || !lcor_direct_shadowed(set->scene, light, x, skip, NULL)))
             for (int c = 0; c < set->channels; c++)
                 out[c] += value * light_channel(set, light->intensity, c);
     }

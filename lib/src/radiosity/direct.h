@@ -19,9 +19,9 @@ int lcor_direct_shadowed(const lcor_scene *scene, const lcor_light *light, const
 /* The lights of a scene as the engines use them. */
 typedef struct light_set {
     const lcor_scene *scene;
-    int               channels;
-    double            luminance[3]; /* weights of the channels where there is one */
-    unsigned char    *open;         /* per light: nothing in the scene stands in its way */
+    int channels;
+    double luminance[3]; /* weights of the channels where there is one */
+    unsigned char *open; /* per light: nothing in the scene stands in its way */
 } light_set;
 
 /* `rgb` in channel c of 1 or 3. */

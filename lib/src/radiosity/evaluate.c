@@ -38,9 +38,9 @@ static void axis_values(double leaf0, double leaf_size, size_t k, size_t n, lcor
 /* A range of rows and all columns of a quad's patches. */
 typedef struct grid {
     const links *l;
-    size_t       nu, nv, row0, row1;
-    lcor_value   value;
-    double      *out;
+    size_t nu, nv, row0, row1;
+    lcor_value value;
+    double *out;
 } grid;
 
 static size_t clamp_index(double x, size_t n)
@@ -50,12 +50,12 @@ static size_t clamp_index(double x, size_t n)
 
 static void add_leaf(const grid *g, const face *f, const links_element *e, size_t element)
 {
-    const int    channels = g->l->channels;
+    const int channels = g->l->channels;
     const double s0 = f->s0 + e->c.s0 * f->hs, hs = e->c.hs * f->hs;
     const double t0 = f->t0 + e->c.t0 * f->ht, ht = e->c.ht * f->ht;
     const double touch = 1e-9;
-    size_t       i0 = clamp_index(floor(s0 * (double)g->nu + touch), g->nu);
-    size_t       i1 = clamp_index(ceil((s0 + hs) * (double)g->nu - touch), g->nu);
+    size_t i0 = clamp_index(floor(s0 * (double)g->nu + touch), g->nu);
+    size_t i1 = clamp_index(ceil((s0 + hs) * (double)g->nu - touch), g->nu);
     const size_t j0 = clamp_index(floor(t0 * (double)g->nv + touch), g->nv);
     const size_t j1 = clamp_index(ceil((t0 + ht) * (double)g->nv - touch), g->nv);
 
@@ -63,7 +63,7 @@ static void add_leaf(const grid *g, const face *f, const links_element *e, size_
     i1 = i1 < g->row1 ? i1 : g->row1;
     for (size_t base = j0; base < j1 && i0 < i1; base += BLOCK) {
         const size_t n = j1 - base < BLOCK ? j1 - base : BLOCK;
-        double       at_t[RULE_P][BLOCK];
+        double at_t[RULE_P][BLOCK];
 
         for (size_t j = 0; j < n; j++) {
             double v[RULE_P];
@@ -79,7 +79,7 @@ static void add_leaf(const grid *g, const face *f, const links_element *e, size_
             for (int c = 0; c < channels; c++) {
                 const double *in = links_values(g->l, &g->l->irradiance, element) + c * RULE_Q;
                 double *out = g->out + ((i - g->row0) * g->nv + base) * (size_t)channels + c;
-                double  column[RULE_P] = {0};
+                double column[RULE_P] = {0};
 
                 for (int k = 0; k < RULE_Q; k++)
                     column[k % RULE_P] += at_s[k / RULE_P] * in[k];
@@ -94,7 +94,7 @@ static void add_leaf(const grid *g, const face *f, const links_element *e, size_
 static void add_tree(const grid *g, const face *f, size_t element)
 {
     const links_element *e = links_at(g->l, element);
-    const double         s0 = f->s0 + e->c.s0 * f->hs, s1 = s0 + e->c.hs * f->hs;
+    const double s0 = f->s0 + e->c.s0 * f->hs, s1 = s0 + e->c.hs * f->hs;
 
     if (s1 * (double)g->nu < (double)g->row0 || s0 * (double)g->nu > (double)g->row1)
         return;
@@ -108,7 +108,7 @@ static void add_tree(const grid *g, const face *f, size_t element)
 
 /* A convex polygon in a face's affine coordinates. */
 typedef struct polygon {
-    int    n;
+    int n;
     double p[POLYGON_MAX][2];
 } polygon;
 
@@ -119,7 +119,7 @@ static void cut(polygon *q, double a, double b, double c)
 
     for (int i = 0; i < q->n && out.n + 2 <= POLYGON_MAX; i++) {
         const double *p = q->p[i], *r = q->p[i + 1 < q->n ? i + 1 : 0];
-        const double  hp = a * p[0] + b * p[1] - c, hr = a * r[0] + b * r[1] - c;
+        const double hp = a * p[0] + b * p[1] - c, hr = a * r[0] + b * r[1] - c;
 
         if (hp >= 0) {
             out.p[out.n][0] = p[0];
@@ -162,14 +162,14 @@ static void add_integral(const links *l, const face *f, size_t element, const po
             const double a = q->p[0][0] + x * ax + y * bx, b = q->p[0][1] + x * ay + y * by;
             const double s = f->triangle ? a + b : a, t = f->triangle ? (s > 0 ? b / s : 0) : b;
             const double w = area2 * x * rule_w[k / RULE_P] * rule_w[k % RULE_P];
-            double       at_s[RULE_P], at_t[RULE_P];
+            double at_s[RULE_P], at_t[RULE_P];
 
             rule_values((s - e->c.s0) / e->c.hs, at_s);
             rule_values((t - e->c.t0) / e->c.ht, at_t);
             for (int c = 0; c < l->channels; c++)
-                out[c] += w * rule_interpolate(links_values(l, &l->irradiance, element) +
-                                                   c * RULE_Q,
-                                               at_s, at_t);
+                out[c] +=
+                    w * rule_interpolate(links_values(l, &l->irradiance, element) + c * RULE_Q,
+                                         at_s, at_t);
         }
     }
 }
@@ -185,7 +185,7 @@ static void descend(const links *l, const face *f, size_t element, polygon q, do
         return;
     }
     for (int h = 0; h < 2; h++) {
-        polygon      part = q;
+        polygon part = q;
         const double m = e->axis == 0 ? e->c.s0 + 0.5 * e->c.hs : e->c.t0 + 0.5 * e->c.ht;
 
         cut_parameter(&part, f, e->axis, m, h == 0);
@@ -207,8 +207,8 @@ static void add_average(const links *l, const scene_surface *s, size_t surface,
     }
     for (size_t i = l->first_face[2 * surface]; i < l->first_face[2 * surface + 1]; i++) {
         const face *f = (const face *)l->faces.items + i;
-        polygon     q = {p->corner_count, {{0}}};
-        double      part[3] = {0};
+        polygon q = {p->corner_count, {{0}}};
+        double part[3] = {0};
 
         for (int c = 0; c < p->corner_count; c++) {
             double x[3], d[3];
@@ -240,12 +240,12 @@ static const face *face_at(const links *l, size_t surface, int back, const doubl
 {
     const size_t begin = l->first_face[2 * surface + (size_t)back];
     const size_t end = l->first_face[2 * surface + (size_t)back + 1];
-    const face  *best = NULL;
-    double       least = HUGE_VAL;
+    const face *best = NULL;
+    double least = HUGE_VAL;
 
     for (size_t i = begin; i < end; i++) {
         const face *f = (const face *)l->faces.items + i;
-        double      a, b, out;
+        double a, b, out;
 
         face_coordinates(f, x, &a, &b);
         out = fmax(fmax(-a, a - 1), fmax(-b, b - 1));
@@ -261,7 +261,7 @@ static const face *face_at(const links *l, size_t surface, int back, const doubl
 
 static void add_at(const links *l, const face *f, double s, double t, double *out)
 {
-    double       u, v, at_s[RULE_P], at_t[RULE_P];
+    double u, v, at_s[RULE_P], at_t[RULE_P];
     const size_t leaf = links_leaf_at(l, f, s, t, &u, &v);
 
     rule_values(u, at_s);
@@ -286,7 +286,7 @@ void links_patches(const links *l, size_t surface, lcor_value value, size_t firs
     if (all_aligned(l, surface)) {
         const size_t nu = s->look.patches[0] ? s->look.patches[0] : 1;
         const size_t nv = s->look.patches[1] ? s->look.patches[1] : 1;
-        const grid   g = {l, nu, nv, first / nv, (first + count) / nv, value, out};
+        const grid g = {l, nu, nv, first / nv, (first + count) / nv, value, out};
 
         for (size_t i = l->first_face[2 * surface]; i < l->first_face[2 * surface + 1]; i++) {
             const face *f = (const face *)l->faces.items + i;
@@ -297,7 +297,7 @@ void links_patches(const links *l, size_t surface, lcor_value value, size_t firs
     }
     for (size_t i = 0; i < count; i++) {
         scene_patch p;
-        double      a = 0, b = 0, x[3], u, v;
+        double a = 0, b = 0, x[3], u, v;
         const face *f;
 
         lcor_scene_patch(l->scene, s, first + i, &p);
@@ -320,11 +320,11 @@ void links_patches(const links *l, size_t surface, lcor_value value, size_t firs
 static const face *find_face(const links *l, const double x[3], const double normal[3], double *s,
                              double *t)
 {
-    const double         reach = 1e-6 * l->scene->diameter;
+    const double reach = 1e-6 * l->scene->diameter;
     const scene_surface *surface;
-    lcor_bvh_hit         hit;
-    lcor_ray             ray;
-    double               side;
+    lcor_bvh_hit hit;
+    lcor_ray ray;
+    double side;
 
     vec_add_scaled(x, reach, normal, ray.origin);
     for (int k = 0; k < 3; k++)
@@ -342,7 +342,7 @@ static const face *find_face(const links *l, const double x[3], const double nor
 void links_point(const links *l, const double x[3], const double normal[3], double accuracy,
                  double *out)
 {
-    double      s, t;
+    double s, t;
     const face *f = find_face(l, x, normal, &s, &t);
 
     if (f) {

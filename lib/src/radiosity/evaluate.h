@@ -5,7 +5,8 @@
 
 #include "radiosity/links.h"
 
-/* Adds to out[channels * patch]: patches first..first+count-1 of a surface, of a quad whole rows. */
+/* Adds to out[channels * patch]: patches first..first+count-1 of a surface, of a quad whole rows.
+ */
 void links_patches(const links *l, size_t surface, lcor_value value, size_t first, size_t count,
                    double *out);
 

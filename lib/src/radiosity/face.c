@@ -107,8 +107,8 @@ static void cut(piece *pieces, size_t *count, const double normal[3], const doub
         return;
     for (size_t i = *count; i-- > 0 && *count < PIECES_MAX;) {
         const double back[3] = {-side[0], -side[1], -side[2]};
-        const piece  whole = pieces[i];
-        piece        left, right;
+        const piece whole = pieces[i];
+        piece left, right;
 
         if (whole.n + 1 >= CORNERS_MAX || inside_length(&whole, normal, a, b, touch) <= touch)
             continue;
@@ -126,10 +126,10 @@ static void cut(piece *pieces, size_t *count, const double normal[3], const doub
 static void cut_along(const lcor_scene *scene, const scene_surface *s, const scene_surface *t,
                       piece *pieces, size_t *count)
 {
-    const double  touch = SCENE_TOUCH * scene->diameter;
+    const double touch = SCENE_TOUCH * scene->diameter;
     const double *p = scene_corners(scene, t);
-    double        height[CORNERS_MAX], on[2][3], above = -2 * touch;
-    int           crossings = 0;
+    double height[CORNERS_MAX], on[2][3], above = -2 * touch;
+    int crossings = 0;
 
     for (size_t i = 0; i < t->corner_count; i++) {
         double d[3];
@@ -148,7 +148,7 @@ static void cut_along(const lcor_scene *scene, const scene_surface *s, const sce
         } else if ((height[i] > touch && height[j] < -touch) ||
                    (height[i] < -touch && height[j] > touch)) {
             const double part = height[i] / (height[i] - height[j]);
-            double      *at = on[crossings == 0 ? 0 : 1];
+            double *at = on[crossings == 0 ? 0 : 1];
 
             for (size_t k = 0; k < 3; k++)
                 at[k] = p[3 * i + k] + part * (p[3 * j + k] - p[3 * i + k]);
@@ -195,7 +195,7 @@ static int add_face(const lcor_allocator *allocator, lcor_array *faces, const sc
                     uint32_t surface, int back, const double a[3], const double b[3],
                     const double c[3], int triangle)
 {
-    face  *f = lcor_array_reserve(allocator, faces, 1, sizeof *f);
+    face *f = lcor_array_reserve(allocator, faces, 1, sizeof *f);
     double u[3], v[3];
 
     if (!f)
@@ -217,8 +217,8 @@ static int add_aligned(const lcor_allocator *allocator, lcor_array *faces, const
                        uint32_t surface, const piece *p, int *done)
 {
     const double snap = 1e-9;
-    double       s[4], t[4], s0 = 1, s1 = 0, t0 = 1, t1 = 0, o[3], u[3], v[3];
-    size_t       before = faces->count;
+    double s[4], t[4], s0 = 1, s1 = 0, t0 = 1, t1 = 0, o[3], u[3], v[3];
+    size_t before = faces->count;
 
     *done = 0;
     for (size_t i = 0; i < 4 && p->n == 4; i++) {
@@ -294,9 +294,9 @@ static int build_surface(const lcor_scene *scene, const lcor_allocator *allocato
                          piece *pieces, lcor_array *faces, size_t *first)
 {
     const scene_surface *s = scene_surface_at(scene, index);
-    const double         touch = SCENE_TOUCH * scene->diameter;
-    const size_t         start = faces->count;
-    size_t               count = 1;
+    const double touch = SCENE_TOUCH * scene->diameter;
+    const size_t start = faces->count;
+    size_t count = 1;
 
     pieces[0].n = s->corner_count;
     memcpy(pieces[0].p, scene_corners(scene, s), s->corner_count * sizeof pieces[0].p[0]);
@@ -318,8 +318,8 @@ int face_build(const lcor_scene *scene, const lcor_allocator *allocator, lcor_ar
                size_t *first)
 {
     lcor_array scratch = {0};
-    piece     *pieces = lcor_array_reserve(allocator, &scratch, PIECES_MAX, sizeof *pieces);
-    int        good = pieces != NULL;
+    piece *pieces = lcor_array_reserve(allocator, &scratch, PIECES_MAX, sizeof *pieces);
+    int good = pieces != NULL;
 
     for (size_t i = 0; good && i < scene->surfaces.count; i++)
         good = build_surface(scene, allocator, i, pieces, faces, first);

@@ -9,20 +9,20 @@
  * X(s, t) = origin + s u + s t (v - u), both over the unit square: splitting the square splits
  * either, and polynomials in (s, t) nest. */
 typedef struct face {
-    double   origin[3], u[3], v[3], normal[3];
-    double   dual_u[3], dual_v[3]; /* affine coordinates of x: (x - origin) . dual */
-    double   jacobian;             /* |u x v| */
-    double   length[2];            /* of u and v */
-    double   along[2][3];          /* their directions, */
-    double   across[2][3];         /* those turned by a right angle within the plane, */
-    double   cosine;               /* and the cosine between them */
-    int      triangle;
+    double origin[3], u[3], v[3], normal[3];
+    double dual_u[3], dual_v[3]; /* affine coordinates of x: (x - origin) . dual */
+    double jacobian;             /* |u x v| */
+    double length[2];            /* of u and v */
+    double along[2][3];          /* their directions, */
+    double across[2][3];         /* those turned by a right angle within the plane, */
+    double cosine;               /* and the cosine between them */
+    int triangle;
     uint32_t surface;
-    int      back;       /* 1: the side away from the surface's normal */
-    double   finest;     /* elements are not split below this edge length */
-    int      aligned;    /* a rectangle, below, of its quad's (s, t), same directions */
-    double   s0, t0, hs, ht;
-    int32_t  root;       /* element */
+    int back;      /* 1: the side away from the surface's normal */
+    double finest; /* elements are not split below this edge length */
+    int aligned;   /* a rectangle, below, of its quad's (s, t), same directions */
+    double s0, t0, hs, ht;
+    int32_t root; /* element */
 } face;
 
 typedef struct cell { /* a rectangle of a face's square */
@@ -35,8 +35,8 @@ typedef struct cell { /* a rectangle of a face's square */
 int face_build(const lcor_scene *scene, const lcor_allocator *allocator, lcor_array *faces,
                size_t *first);
 
-void   face_point(const face *f, double s, double t, double out[3]);
-void   face_coordinates(const face *f, const double x[3], double *s, double *t);
+void face_point(const face *f, double s, double t, double out[3]);
+void face_coordinates(const face *f, const double x[3], double *s, double *t);
 double face_cell_area(const face *f, const cell *c);
 /* Fills origin, u, v and what follows from them; the normal is the caller's. Returns 0 if it has
  * no area. */

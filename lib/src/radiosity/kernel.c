@@ -24,13 +24,18 @@ void links_run(const links *l, size_t n, void (*task)(void *arg, size_t i), void
 static void fill_link(const links *l, const links_link *link)
 {
     const links_element *r = links_at(l, link->receiver), *s = links_at(l, link->sender);
-    const face          *fr = links_face_of(l, r), *fs = links_face_of(l, s);
-    links_block         *block = (links_block *)l->blocks.items + link->block;
-    double               x[RULE_Q][3], factors[RULE_Q];
-    transfer             t = {l->scene, NULL, fr->normal, NULL,
-                              (const uint32_t *)l->occluders.items + link->first_occluder,
-                              link->occluder_count, l->accuracy, -1};
-    int                  known;
+    const face *fr = links_face_of(l, r), *fs = links_face_of(l, s);
+    links_block *block = (links_block *)l->blocks.items + link->block;
+    double x[RULE_Q][3], factors[RULE_Q];
+    transfer t = {l->scene,
+                  NULL,
+                  fr->normal,
+                  NULL,
+                  (const uint32_t *)l->occluders.items + link->first_occluder,
+                  link->occluder_count,
+                  l->accuracy,
+                  -1};
+    int known;
 
     for (int i = 0; i < RULE_Q; i++)
         face_point(fr, r->c.s0 + rule_x[i / RULE_P] * r->c.hs,
@@ -51,14 +56,14 @@ static void fill_link(const links *l, const links_link *link)
 
 typedef struct fill_job {
     const links *l;
-    size_t       first_new;   /* blocks from here on are empty */
-    size_t       first_chunk; /* of this batch */
+    size_t first_new;   /* blocks from here on are empty */
+    size_t first_chunk; /* of this batch */
 } fill_job;
 
 static void fill_task(void *arg, size_t chunk)
 {
     const fill_job *job = arg;
-    const size_t    begin = (job->first_chunk + chunk) * CHUNK;
+    const size_t begin = (job->first_chunk + chunk) * CHUNK;
 
     for (size_t i = begin; i < begin + CHUNK && i < job->l->list.count; i++) {
         const links_link *link = (const links_link *)job->l->list.items + i;
@@ -72,9 +77,9 @@ static void fill_task(void *arg, size_t chunk)
 static int sort_links(links *l)
 {
     const size_t n = l->elements.count;
-    lcor_array   sorted = {0};
-    uint32_t    *start;
-    links_link  *out;
+    lcor_array sorted = {0};
+    uint32_t *start;
+    links_link *out;
 
     l->scratch.count = 0;
     start = lcor_array_reserve(&l->allocator, &l->scratch, n + 1, sizeof *start);
@@ -103,8 +108,8 @@ static int sort_links(links *l)
 static void compact_blocks(links *l)
 {
     links_block *blocks = l->blocks.items;
-    uint32_t    *owner = l->scratch.items;
-    size_t       kept = 0;
+    uint32_t *owner = l->scratch.items;
+    size_t kept = 0;
 
     memset(owner, 0xff, l->blocks.count * sizeof *owner);
     for (size_t i = 0; i < l->list.count; i++) {
@@ -125,7 +130,7 @@ static void compact_blocks(links *l)
 int links_fill(links *l)
 {
     fill_job job = {l, 0, 0};
-    size_t   missing, chunks;
+    size_t missing, chunks;
 
     if (!sort_links(l))
         return 0;
@@ -158,11 +163,11 @@ int links_fill(links *l)
 static void leaf_source(const links *l, size_t element)
 {
     links_element *e = links_at(l, element);
-    const face    *f = links_face_of(l, e);
+    const face *f = links_face_of(l, e);
     const lcor_surface *look = &scene_surface_at(l->scene, f->surface)->look;
-    const size_t   lights = l->scene->lights.count;
-    double        *out = links_values(l, &l->source, element);
-    double         area[RULE_Q], weights[RULE_Q];
+    const size_t lights = l->scene->lights.count;
+    double *out = links_values(l, &l->source, element);
+    double area[RULE_Q], weights[RULE_Q];
 
     links_node_areas(l, e, area);
     e->power = 0;
@@ -175,9 +180,9 @@ static void leaf_source(const links *l, size_t element)
     }
     for (size_t i = 0; i < lights; i++) {
         const links_shadow *shadow = &l->shadows[e->face * lights + i];
-        transfer            t = {l->scene, NULL, NULL, scene_light_at(l->scene, i), NULL,
-                                 shadow->count, light_accuracy, -1};
-        double              flux;
+        transfer t = {l->scene, NULL,          NULL,           scene_light_at(l->scene, i),
+                      NULL,     shadow->count, light_accuracy, -1};
+        double flux;
 
         if (shadow->dark)
             continue;
@@ -216,7 +221,6 @@ void links_node_areas(const links *l, const links_element *e, double area[RULE_Q
         const double s = f->triangle ? e->c.s0 + rule_x[a] * e->c.hs : 1;
 
         for (int b = 0; b < RULE_P; b++)
-            area[a * RULE_P + b] =
-                f->jacobian * e->c.hs * e->c.ht * s * rule_w[a] * rule_w[b];
+            area[a * RULE_P + b] = f->jacobian * e->c.hs * e->c.ht * s * rule_w[a] * rule_w[b];
     }
 }

@@ -13,16 +13,16 @@
 /* A node of a face's binary tree. Values at its nodes lie in links.irradiance and .radiosity. */
 typedef struct links_element {
     uint32_t face;
-    int32_t  child; /* the first of two, or -1 */
-    int      axis;  /* along which it was split */
-    int      leaf;  /* number among the leaves, or -1 */
-    cell     c;
-    double   area, low[3], high[3], centre[3];
-    double   direct_min, direct_max; /* of irradiance straight from the lights */
-    double   rough;                  /* error of the polynomial for its radiosity */
-    double   rough_direct;           /* the same due to the direct light */
-    double   power;       /* put in by lights and emission, mean of the channels */
-    double   e_min, b_max; /* of the solution so far; guesses before the first */
+    int32_t child; /* the first of two, or -1 */
+    int axis;      /* along which it was split */
+    int leaf;      /* number among the leaves, or -1 */
+    cell c;
+    double area, low[3], high[3], centre[3];
+    double direct_min, direct_max; /* of irradiance straight from the lights */
+    double rough;                  /* error of the polynomial for its radiosity */
+    double rough_direct;           /* the same due to the direct light */
+    double power;                  /* put in by lights and emission, mean of the channels */
+    double e_min, b_max;           /* of the solution so far; guesses before the first */
 } links_element;
 
 /* Irradiance of `receiver` due to `sender`. `block` is its place among the coefficients. */
@@ -37,49 +37,49 @@ static const uint32_t links_no_block = UINT32_MAX;
 /* What may hide a light from a face: `count` surfaces in links.occluders, or all of it is dark. */
 typedef struct links_shadow {
     uint32_t first, count;
-    int      dark;
+    int dark;
 } links_shadow;
 
 /* E[i] += sum_k k[i][k] B[k] + rest[i] mean(B): floats for the bulk, and what their rounding
  * leaves of the exact form factor in double, so that constants are transferred exactly. */
 typedef struct links_block {
-    float  k[RULE_Q][RULE_Q];
+    float k[RULE_Q][RULE_Q];
     double rest[RULE_Q]; /* before the row is computed: the exact factor, or -1 if unknown */
 } links_block;
 
 typedef struct links links;
 struct links {
-    const lcor_scene   *scene;
-    lcor_allocator      allocator;
-    lcor_parallel       parallel;
-    const light_set    *lights;
-    int                 channels;
-    links_shadow       *shadows; /* of face f and light i at f * lights + i */
-    lcor_array          faces;      /* face */
-    size_t             *first_face; /* per surface and side */
-    lcor_array          elements;   /* links_element */
-    lcor_array          list;       /* links_link, by receiver once built */
-    lcor_array          blocks;     /* links_block */
-    lcor_array          occluders;  /* uint32_t */
-    lcor_array          scratch;    /* uint32_t, used as a stack while refining */
-    lcor_array          irradiance, radiosity, source; /* double[RULE_Q * channels] an element */
-    lcor_array          krylov;
-    size_t              leaf_count;
+    const lcor_scene *scene;
+    lcor_allocator allocator;
+    lcor_parallel parallel;
+    const light_set *lights;
+    int channels;
+    links_shadow *shadows;                    /* of face f and light i at f * lights + i */
+    lcor_array faces;                         /* face */
+    size_t *first_face;                       /* per surface and side */
+    lcor_array elements;                      /* links_element */
+    lcor_array list;                          /* links_link, by receiver once built */
+    lcor_array blocks;                        /* links_block */
+    lcor_array occluders;                     /* uint32_t */
+    lcor_array scratch;                       /* uint32_t, used as a stack while refining */
+    lcor_array irradiance, radiosity, source; /* double[RULE_Q * channels] an element */
+    lcor_array krylov;
+    size_t leaf_count;
     void (*poll)(links *l); /* called now and then: may set hurry or cancelled */
-    void               *poll_arg;
-    unsigned            polls;
-    int                 hurry;     /* a limit is reached: link what is left as it is */
-    int                 cancelled; /* the caller wants to stop */
-    double              eps;      /* error a link may make, relative to its receiver */
-    double              accuracy; /* of near-field weights, a form factor */
-    double              share_power; /* a receiver's errors count by its share of its face's area to
-                                        this power: 0.5 for the rms norm, 0 for the largest */
-    double              finest;   /* elements may be split down to this times face.finest */
-    double              ambient, floor; /* mean indirect irradiance; least E errors refer to */
-    int                 closed;        /* convex and without a hole: every hemisphere is full */
-    double              contraction;   /* of one interreflection */
-    double              energy_defect; /* of the power put in */
-    int                 iterations;
+    void *poll_arg;
+    unsigned polls;
+    int hurry;             /* a limit is reached: link what is left as it is */
+    int cancelled;         /* the caller wants to stop */
+    double eps;            /* error a link may make, relative to its receiver */
+    double accuracy;       /* of near-field weights, a form factor */
+    double share_power;    /* a receiver's errors count by its share of its face's area to
+                              this power: 0.5 for the rms norm, 0 for the largest */
+    double finest;         /* elements may be split down to this times face.finest */
+    double ambient, floor; /* mean indirect irradiance; least E errors refer to */
+    int closed;            /* convex and without a hole: every hemisphere is full */
+    double contraction;    /* of one interreflection */
+    double energy_defect;  /* of the power put in */
+    int iterations;
 };
 
 static inline links_element *links_at(const links *l, size_t i)
@@ -98,11 +98,11 @@ static inline double *links_values(const links *l, const lcor_array *a, size_t e
 }
 
 /* tree.c. Functions that return int return 0 without memory or when cancelled. */
-int  links_init(links *l); /* faces and their root elements; the caller fills the head */
+int links_init(links *l); /* faces and their root elements; the caller fills the head */
 void links_clear(links *l);
-int  links_relight(links *l); /* after lights or looks changed */
-int  links_split(links *l, size_t element, int axis);
-int  links_may_split(const links *l, const links_element *e, int axis);
+int links_relight(links *l); /* after lights or looks changed */
+int links_split(links *l, size_t element, int axis);
+int links_may_split(const links *l, const links_element *e, int axis);
 void links_region(const links *l, const links_element *e, region *out);
 /* Leaf at (s, t) of the face, and the place within it. */
 size_t links_leaf_at(const links *l, const face *f, double s, double t, double *u, double *v);

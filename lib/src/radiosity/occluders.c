@@ -10,7 +10,7 @@ enum { PLANES_MAX = 48 };
 /* Convex hull of what light may cross, as planes with outward normals; not all of them are needed
  * to be right, since a surface is only dropped when one plane has it outside. */
 typedef struct shaft {
-    int    count;
+    int count;
     double point[PLANES_MAX][3], outward[PLANES_MAX][3];
 } shaft;
 
@@ -49,12 +49,12 @@ static void add_edge_planes(shaft *s, const region *a, const region *b, double t
 {
     for (int i = 0; i < 4; i++) {
         const double *p = a->corners[i], *q = a->corners[(i + 1) % 4];
-        double        edge[3];
+        double edge[3];
 
         vec_sub(q, p, edge);
         for (int j = 0; j < 4; j++) {
             double d[3], normal[3];
-            int    mine, other;
+            int mine, other;
 
             vec_sub(b->corners[j], p, d);
             vec_cross(edge, d, normal);
@@ -120,7 +120,7 @@ static int crosses(const scene_surface *o, const double *corners, const double p
         at[k] = p[k] + hp / (hp - hq) * (q[k] - p[k]);
     for (size_t i = 0; i < o->corner_count; i++) {
         const double *a = corners + 3 * i, *b = corners + 3 * ((i + 1) % o->corner_count);
-        double        edge[3], inward[3];
+        double edge[3], inward[3];
 
         vec_sub(b, a, edge);
         vec_cross(o->normal, edge, inward);
@@ -146,8 +146,8 @@ long occluders_between(const lcor_scene *scene, const region *a, const region *b
                        const uint32_t *in, size_t count, uint32_t *out, size_t room)
 {
     const double touch = SCENE_TOUCH * scene->diameter;
-    shaft        s = {0};
-    long         kept = 0;
+    shaft s = {0};
+    long kept = 0;
 
     add_plane(&s, a->corners[0], a->normal, -1);
     add_plane(&s, b->corners[0], b->normal, -1);
@@ -155,9 +155,9 @@ long occluders_between(const lcor_scene *scene, const region *a, const region *b
     add_edge_planes(&s, a, b, touch);
     add_edge_planes(&s, b, a, touch);
     for (size_t i = 0; i < count; i++) {
-        const uint32_t       id = in ? in[i] : (uint32_t)i;
+        const uint32_t id = in ? in[i] : (uint32_t)i;
         const scene_surface *o = scene_surface_at(scene, id);
-        const double        *corners = scene_corners(scene, o);
+        const double *corners = scene_corners(scene, o);
 
         if (outside(&s, corners, o->corner_count, touch))
             continue;
@@ -190,10 +190,10 @@ long occluders_of_light(const lcor_scene *scene, const lcor_light *light, const 
                         const uint32_t *in, size_t count, uint32_t *out, size_t room)
 {
     const double touch = SCENE_TOUCH * scene->diameter;
-    const int    parallel = light->kind == LCOR_LIGHT_DIRECTIONAL;
-    shaft        s = {0};
-    long         kept = 0;
-    double       middle[3] = {0, 0, 0};
+    const int parallel = light->kind == LCOR_LIGHT_DIRECTIONAL;
+    shaft s = {0};
+    long kept = 0;
+    double middle[3] = {0, 0, 0};
 
     for (int i = 0; i < 4; i++)
         vec_add_scaled(middle, 0.25, a->corners[i], middle);
@@ -215,9 +215,9 @@ long occluders_of_light(const lcor_scene *scene, const lcor_light *light, const 
         add_plane(&s, a->corners[i], normal, vec_dot(d, normal) > 0 ? -1 : 1);
     }
     for (size_t i = 0; i < count; i++) {
-        const uint32_t       id = in ? in[i] : (uint32_t)i;
+        const uint32_t id = in ? in[i] : (uint32_t)i;
         const scene_surface *o = scene_surface_at(scene, id);
-        const double        *corners = scene_corners(scene, o);
+        const double *corners = scene_corners(scene, o);
 
         if (outside(&s, corners, o->corner_count, touch))
             continue;

@@ -15,14 +15,14 @@ static const double gauss2[2] = {0.21132486540518711775, 0.78867513459481288225}
 
 /* One light on one quad. Results are scalar, for intensity 1. */
 typedef struct quad_job {
-    const light_set     *set;
-    const lcor_light    *light;
-    face                 whole; /* the quad */
-    uint32_t             surface;
-    size_t               nu, nv, row0;
-    double               accuracy;
-    double              *out; /* of intensity 1, patch (row0, 0) first */
-    double               power[3];
+    const light_set *set;
+    const lcor_light *light;
+    face whole; /* the quad */
+    uint32_t surface;
+    size_t nu, nv, row0;
+    double accuracy;
+    double *out; /* of intensity 1, patch (row0, 0) first */
+    double power[3];
 } quad_job;
 
 static void add(const quad_job *j, size_t row, size_t column, double value)
@@ -34,13 +34,13 @@ static void add(const quad_job *j, size_t row, size_t column, double value)
 }
 
 /* Average over a patch by quadrature that adapts to the light's distance and clips at shadows. */
-static double exact_average(const quad_job *j, size_t row, size_t column,
-                            const uint32_t *occluders, size_t count)
+static double exact_average(const quad_job *j, size_t row, size_t column, const uint32_t *occluders,
+                            size_t count)
 {
-    const cell     c = {(double)row / (double)j->nu, (double)column / (double)j->nv,
-                        1 / (double)j->nu, 1 / (double)j->nv};
+    const cell c = {(double)row / (double)j->nu, (double)column / (double)j->nv, 1 / (double)j->nu,
+                    1 / (double)j->nv};
     const transfer t = {j->set->scene, NULL, NULL, j->light, occluders, count, j->accuracy, -1};
-    double         weights[RULE_Q];
+    double weights[RULE_Q];
 
     return transfer_weights(&t, &j->whole, &c, weights) / face_cell_area(&j->whole, &c);
 }
@@ -66,9 +66,9 @@ static double sampled_average(const quad_job *j, size_t row, size_t column)
  * takes more. An n-point rule is good to q^-2n, q about distance over half the edge, twice. */
 static int points_needed(const quad_job *j, const cell *block)
 {
-    const double edge = 0.5 * fmax(vec_length(j->whole.u) / (double)j->nu,
-                                   vec_length(j->whole.v) / (double)j->nv);
-    double       ellipse[2], distance, q2;
+    const double edge =
+        0.5 * fmax(vec_length(j->whole.u) / (double)j->nu, vec_length(j->whole.v) / (double)j->nv);
+    double ellipse[2], distance, q2;
 
     if (j->light->kind == LCOR_LIGHT_DIRECTIONAL)
         return 1;
@@ -96,8 +96,7 @@ static void clear_row(const quad_job *j, size_t row, size_t first, size_t end, i
     if (!(height > 0))
         return;
     for (int a = 0; a < points; a++) {
-        const double s =
-            ((double)row + (points == 2 ? gauss2[a] : 0.5)) / (double)j->nu;
+        const double s = ((double)row + (points == 2 ? gauss2[a] : 0.5)) / (double)j->nu;
         const double dx = s * j->whole.u[0] - from[0], dy = s * j->whole.u[1] - from[1],
                      dz = s * j->whole.u[2] - from[2];
         const double *v = j->whole.v;
@@ -107,7 +106,7 @@ static void clear_row(const quad_job *j, size_t row, size_t first, size_t end, i
                 const size_t n = end - base < 16 ? end - base : 16;
                 const double offset = (double)base + (points == 2 ? gauss2[b] : 0.5);
                 const double step = 1 / (double)j->nv, share = height / (points * points);
-                double       value[16];
+                double value[16];
 
                 for (int k = 0; k < 16; k++) {
                     const double t = (offset + k) * step;
@@ -128,16 +127,16 @@ static void light_block(const quad_job *j, size_t r0, size_t r1, size_t c0, size
 {
     const cell block = {(double)r0 / (double)j->nu, (double)c0 / (double)j->nv,
                         (double)(r1 - r0) / (double)j->nu, (double)(c1 - c0) / (double)j->nv};
-    uint32_t   occluders[OCCLUDERS_MAX];
-    region     r;
-    long       count = 0;
-    int        points;
+    uint32_t occluders[OCCLUDERS_MAX];
+    region r;
+    long count = 0;
+    int points;
 
     if (in_count > 0) {
         face_cell_corners(&j->whole, &block, r.corners);
         vec_copy(j->whole.normal, r.normal);
-        count = occluders_of_light(j->set->scene, j->light, &r, in, in_count, occluders,
-                                   OCCLUDERS_MAX);
+        count =
+            occluders_of_light(j->set->scene, j->light, &r, in, in_count, occluders, OCCLUDERS_MAX);
     }
     if (count == OCCLUDERS_BLOCK)
         return;
@@ -150,10 +149,10 @@ static void light_block(const quad_job *j, size_t r0, size_t r1, size_t c0, size
             count == OCCLUDERS_CROWD ? sampled_average(j, r0, c0)
                                      : exact_average(j, r0, c0, occluders, (size_t)count));
     } else {
-        const int       rows = r1 - r0 >= c1 - c0;
-        const size_t    rm = rows ? (r0 + r1) / 2 : r1, cm = rows ? c1 : (c0 + c1) / 2;
+        const int rows = r1 - r0 >= c1 - c0;
+        const size_t rm = rows ? (r0 + r1) / 2 : r1, cm = rows ? c1 : (c0 + c1) / 2;
         const uint32_t *next = count == OCCLUDERS_CROWD ? in : occluders;
-        const size_t    n = count == OCCLUDERS_CROWD ? in_count : (size_t)count;
+        const size_t n = count == OCCLUDERS_CROWD ? in_count : (size_t)count;
 
         light_block(j, r0, rm, c0, cm, next, n);
         light_block(j, rows ? rm : r0, r1, rows ? c0 : cm, c1, next, n);
@@ -190,9 +189,9 @@ static void triangle_average(const light_set *set, const scene_surface *s, size_
                              const scene_patch *p, double accuracy, double *out)
 {
     const cell all = {0, 0, 1, 1};
-    double     corner[3][3], u[3], v[3];
-    face       f;
-    region     r;
+    double corner[3][3], u[3], v[3];
+    face f;
+    region r;
 
     memset(&f, 0, sizeof f);
     for (int c = 0; c < 3; c++)
@@ -206,10 +205,10 @@ static void triangle_average(const light_set *set, const scene_surface *s, size_
     face_cell_corners(&f, &all, r.corners);
     for (size_t i = 0; i < set->scene->lights.count; i++) {
         const lcor_light *light = scene_light_at(set->scene, i);
-        uint32_t          occluders[OCCLUDERS_MAX];
-        double            weights[RULE_Q], value;
-        transfer          t = {set->scene, NULL, NULL, light, occluders, 0, accuracy, -1};
-        long              count = 0;
+        uint32_t occluders[OCCLUDERS_MAX];
+        double weights[RULE_Q], value;
+        transfer t = {set->scene, NULL, NULL, light, occluders, 0, accuracy, -1};
+        long count = 0;
 
         if (!set->open[i])
             count = occluders_of_light(set->scene, light, &r, NULL, set->scene->surfaces.count,
@@ -225,11 +224,11 @@ static void triangle_average(const light_set *set, const scene_surface *s, size_
     }
 }
 
-void patch_light(const light_set *set, size_t surface, lcor_value value, size_t first,
-                 size_t count, double accuracy, double *out)
+void patch_light(const light_set *set, size_t surface, lcor_value value, size_t first, size_t count,
+                 double accuracy, double *out)
 {
     const scene_surface *s = scene_surface_at(set->scene, surface);
-    const size_t         channels = (size_t)set->channels;
+    const size_t channels = (size_t)set->channels;
 
     memset(out, 0, count * channels * sizeof *out);
     if (value == LCOR_VALUE_AVERAGE && s->shape == SCENE_QUAD) {
@@ -238,7 +237,7 @@ void patch_light(const light_set *set, size_t surface, lcor_value value, size_t 
     }
     for (size_t i = 0; i < count; i++) {
         scene_patch p;
-        double      a = 0, b = 0, x[3];
+        double a = 0, b = 0, x[3];
 
         lcor_scene_patch(set->scene, s, first + i, &p);
         if (value == LCOR_VALUE_AVERAGE) {

@@ -8,7 +8,7 @@
 
 /* Patches first..first+count-1 of a surface (of a quad: whole rows) into out[channels * patch].
  * `accuracy`: relative error allowed to quadrature. */
-void patch_light(const light_set *set, size_t surface, lcor_value value, size_t first,
-                 size_t count, double accuracy, double *out);
+void patch_light(const light_set *set, size_t surface, lcor_value value, size_t first, size_t count,
+                 double accuracy, double *out);
 
 #endif

@@ -16,20 +16,20 @@ static const size_t faces_max = 2000;
 
 /* Parts of the tolerance: what one link may err (of a tolerance of 1 %, and less of a smaller one),
  * what the near field and the solver may. */
-static const double link_share = 1, near_share = 0.3, solver_share = 0.01;
+static const double link_share = 1, near_share = 1, solver_share = 0.01;
 
 /* What a round that missed may change at most and at least. */
 static const double tighten_most = 0.1, tighten_least = 0.6;
 
 struct lcor_solution {
-    lcor_allocator         allocator;
-    const lcor_scene      *scene;
+    lcor_allocator allocator;
+    const lcor_scene *scene;
     lcor_radiosity_options options;
-    lcor_radiosity_report  report;
-    light_set              lights;
-    links                  links;
-    clock_t                start;
-    double                 done; /* last progress reported */
+    lcor_radiosity_report report;
+    light_set lights;
+    links links;
+    clock_t start;
+    double done; /* last progress reported */
 };
 
 static double seconds_since(clock_t start) { return (double)(clock() - start) / CLOCKS_PER_SEC; }
@@ -54,8 +54,8 @@ static uint64_t bytes_held(const links *l)
     return l->faces.capacity * sizeof(face) + l->elements.capacity * sizeof(links_element) +
            l->list.capacity * sizeof(links_link) + l->blocks.capacity * sizeof(links_block) +
            (l->occluders.capacity + l->scratch.capacity) * sizeof(uint32_t) +
-           (l->irradiance.capacity + l->radiosity.capacity + l->source.capacity) *
-               sizeof(double) * RULE_Q * (size_t)l->channels +
+           (l->irradiance.capacity + l->radiosity.capacity + l->source.capacity) * sizeof(double) *
+               RULE_Q * (size_t)l->channels +
            l->krylov.capacity * sizeof(double);
 }
 
@@ -81,10 +81,10 @@ static void poll(links *l)
     lcor_solution *s = (lcor_solution *)l->poll_arg;
 
     s->done += 0.002 * (1 - s->done);
-    l->hurry |= over_limit(s) ||
-                (s->options.max_bytes > 0 &&
-                 bytes_held(l) + (l->list.count - l->blocks.count) * sizeof(links_block) >
-                     s->options.max_bytes);
+    l->hurry |=
+        over_limit(s) || (s->options.max_bytes > 0 &&
+                          bytes_held(l) + (l->list.count - l->blocks.count) * sizeof(links_block) >
+                              s->options.max_bytes);
     l->cancelled |= s->options.progress.report &&
                     s->options.progress.report(s->options.progress.user, s->done) != 0;
 }
@@ -93,7 +93,7 @@ static void poll(links *l)
 static lcor_status run_rounds(lcor_solution *s, lcor_error *err)
 {
     const double tolerance = s->options.tolerance;
-    links       *l = &s->links;
+    links *l = &s->links;
 
     l->eps = link_share * tolerance * pow(tolerance / 0.01, 0.3);
     l->accuracy = near_share * tolerance;
@@ -119,7 +119,8 @@ static lcor_status run_rounds(lcor_solution *s, lcor_error *err)
         s->report.converged = wanted_error(s, &errors) <= tolerance;
         if (s->report.converged || l->hurry)
             break;
-        l->eps *= fmax(tighten_most, fmin(tighten_least, 0.7 * tolerance / wanted_error(s, &errors)));
+        l->eps *=
+            fmax(tighten_most, fmin(tighten_least, 0.7 * tolerance / wanted_error(s, &errors)));
         l->finest *= 0.5;
     }
     s->report.seconds = seconds_since(s->start);
@@ -136,7 +137,7 @@ stopped:
 static void describe(lcor_solution *s)
 {
     const lcor_scene *scene = s->scene;
-    size_t            open = 0, partial = 0;
+    size_t open = 0, partial = 0;
 
     for (size_t i = 0; i < scene->lights.count; i++)
         open += s->lights.open[i];
@@ -154,8 +155,7 @@ static void describe(lcor_solution *s)
 static void open_lights(lcor_solution *s)
 {
     for (size_t i = 0; i < s->scene->lights.count; i++)
-        s->lights.open[i] =
-            (unsigned char)light_is_open(s->scene, scene_light_at(s->scene, i));
+        s->lights.open[i] = (unsigned char)light_is_open(s->scene, scene_light_at(s->scene, i));
 }
 
 static lcor_status prepare(lcor_solution *s, lcor_error *err)
@@ -188,7 +188,7 @@ static lcor_status prepare(lcor_solution *s, lcor_error *err)
 static lcor_status check_options(lcor_radiosity_options *o, lcor_error *err)
 {
     static const double bt709[3] = {0.2126, 0.7152, 0.0722};
-    const double        sum = o->luminance[0] + o->luminance[1] + o->luminance[2];
+    const double sum = o->luminance[0] + o->luminance[1] + o->luminance[2];
 
     if (o->tolerance == 0)
         o->tolerance = 0.01;
@@ -213,9 +213,9 @@ lcor_status lcor_radiosity_solve(const lcor_scene *scene, const lcor_radiosity_o
                                  lcor_solution **out, lcor_error *err)
 {
     lcor_radiosity_options o;
-    lcor_allocator         own;
-    lcor_solution         *s;
-    lcor_status            status;
+    lcor_allocator own;
+    lcor_solution *s;
+    lcor_status status;
 
     if (!scene || !out || (options && options->struct_size == 0))
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1,
@@ -296,19 +296,19 @@ void lcor_solution_direct_at(const lcor_solution *s, const double x[3], const do
 /* Patches are evaluated a few rows at a time, `direct` first where both are wanted. */
 typedef struct patch_job {
     const lcor_solution *s;
-    size_t               surface, count, step;
-    lcor_value           value;
-    double              *total, *direct;
+    size_t surface, count, step;
+    lcor_value value;
+    double *total, *direct;
 } patch_job;
 
 static void patch_task(void *arg, size_t chunk)
 {
     const patch_job *job = arg;
-    const size_t     channels = (size_t)job->s->report.channels, first = chunk * job->step;
-    const size_t     n = job->count - first < job->step ? job->count - first : job->step;
-    const double     accuracy = 0.001 * job->s->options.tolerance;
-    double          *total = job->total ? job->total + channels * first : NULL;
-    double          *direct = job->direct ? job->direct + channels * first : total;
+    const size_t channels = (size_t)job->s->report.channels, first = chunk * job->step;
+    const size_t n = job->count - first < job->step ? job->count - first : job->step;
+    const double accuracy = 0.001 * job->s->options.tolerance;
+    double *total = job->total ? job->total + channels * first : NULL;
+    double *direct = job->direct ? job->direct + channels * first : total;
 
     patch_light(&job->s->lights, job->surface, job->value, first, n, accuracy, direct);
     if (!total)
@@ -321,7 +321,7 @@ static void patch_task(void *arg, size_t chunk)
 lcor_status lcor_solution_patches(const lcor_solution *s, size_t surface, lcor_value value,
                                   double *total, double *direct, lcor_error *err)
 {
-    patch_job            job = {s, surface, 0, ROWS_VALUES, value, total, direct};
+    patch_job job = {s, surface, 0, ROWS_VALUES, value, total, direct};
     const scene_surface *f;
 
     if (!s || surface >= s->scene->surfaces.count)
@@ -342,19 +342,19 @@ lcor_status lcor_solution_patches(const lcor_solution *s, size_t surface, lcor_v
 
 typedef struct point_job {
     const lcor_solution *s;
-    size_t               n;
-    const double        *points, *normals;
-    double              *total, *direct;
+    size_t n;
+    const double *points, *normals;
+    double *total, *direct;
 } point_job;
 
 static void point_task(void *arg, size_t chunk)
 {
     const point_job *job = arg;
-    const size_t     channels = (size_t)job->s->report.channels;
+    const size_t channels = (size_t)job->s->report.channels;
 
     for (size_t i = chunk * POINTS; i < job->n && i < (chunk + 1) * POINTS; i++) {
         const double *x = job->points + 3 * i, *normal = job->normals + 3 * i;
-        double        direct[3], indirect[3];
+        double direct[3], indirect[3];
 
         light_at(&job->s->lights, x, normal, LCOR_BVH_NONE, direct);
         if (job->total)

@@ -42,9 +42,9 @@ static int in_front(const links *l, const region *a, const region *b)
 /* 1: light may pass, with the pair's occluders narrowed down; 0: none can; -1: no memory. */
 static int classify(links *l, pair *p)
 {
-    region    r, s;
+    region r, s;
     uint32_t *room;
-    long      kept;
+    long kept;
 
     links_region(l, links_at(l, p->receiver), &r);
     links_region(l, links_at(l, p->sender), &s);
@@ -74,23 +74,22 @@ static void nearest(const links_element *a, const links_element *b, double out[3
         out[k] = fmax(a->low[k], fmin(a->high[k], b->centre[k]));
 }
 
-/* The receiver oracle: the form factor interpolated from the receiver's nodes against itself. Returns
- * the worst defect and, in axis[], that at the ends of each axis. */
+/* The receiver oracle: the form factor interpolated from the receiver's nodes against itself.
+ * Returns the worst defect and, in axis[], that at the ends of each axis. */
 static double measure(const links *l, const pair *p, double axis[2])
 {
     const links_element *r = links_at(l, p->receiver), *s = links_at(l, p->sender);
-    const face          *fr = links_face_of(l, r), *fs = links_face_of(l, s);
-    const transfer       t = {l->scene, NULL, NULL, NULL,
-                              (const uint32_t *)l->occluders.items + p->first, p->count,
-                              l->accuracy, -1};
-    double               x[RULE_Q + TESTS][3], value[RULE_Q + TESTS], worst = 0;
+    const face *fr = links_face_of(l, r), *fs = links_face_of(l, s);
+    const transfer t = {
+        l->scene, NULL,        NULL, NULL, (const uint32_t *)l->occluders.items + p->first,
+        p->count, l->accuracy, -1};
+    double x[RULE_Q + TESTS][3], value[RULE_Q + TESTS], worst = 0;
 
     for (int k = 0; k < RULE_Q; k++)
         face_point(fr, r->c.s0 + rule_x[k / RULE_P] * r->c.hs,
                    r->c.t0 + rule_x[k % RULE_P] * r->c.ht, x[k]);
     for (int i = 0; i < TESTS; i++)
-        face_point(fr, r->c.s0 + test_s[i] * r->c.hs, r->c.t0 + test_t[i] * r->c.ht,
-                   x[RULE_Q + i]);
+        face_point(fr, r->c.s0 + test_s[i] * r->c.hs, r->c.t0 + test_t[i] * r->c.ht, x[RULE_Q + i]);
     (void)transfer_factors(&t, fr, RULE_Q + TESTS, x, fs, &s->c, value);
     axis[0] = axis[1] = 0;
     for (int i = 0; i < TESTS; i++) {
@@ -121,8 +120,8 @@ static int long_axis(const links *l, const links_element *e)
 static double receiver_defect(const links *l, const pair *p, double scale, int *axis)
 {
     const links_element *r = links_at(l, p->receiver);
-    double               along[2];
-    const double         worst = measure(l, p, along);
+    double along[2];
+    const double worst = measure(l, p, along);
 
     *axis = along[0] >= along[1] ? 0 : 1;
     if (links_may_split(l, r, *axis))
@@ -136,8 +135,8 @@ typedef enum verdict { ACCEPT, SPLIT_RECEIVER, SPLIT_SENDER } verdict;
 static verdict judge(const links *l, const pair *p, int *axis)
 {
     const links_element *r = links_at(l, p->receiver), *s = links_at(l, p->sender);
-    double               from[3], qs[2], qr[2], d[3], distance, factor, scale, receiver, sender;
-    int                  receiver_axis = 0, sender_axis;
+    double from[3], qs[2], qr[2], d[3], distance, factor, scale, receiver, sender;
+    int receiver_axis = 0, sender_axis;
 
     nearest(r, s, from);
     distance = sqrt(transfer_ellipse(from, links_face_of(l, s), &s->c, qs));
@@ -149,8 +148,7 @@ static verdict judge(const links *l, const pair *p, int *axis)
     scale = pow(r->area / links_at(l, (size_t)links_face_of(l, r)->root)->area, l->share_power) /
             fmax(r->e_min, l->floor);
     /* Behind an occluder's edge nothing is smooth, however far away. */
-    receiver = factor * s->b_max * scale *
-               (p->count > 0 ? 1 : pow(fmin(qr[0], qr[1]), -RULE_P));
+    receiver = factor * s->b_max * scale * (p->count > 0 ? 1 : pow(fmin(qr[0], qr[1]), -RULE_P));
     sender = factor * s->rough * scale * rough_share * pow(fmin(qs[0], qs[1]), -RULE_P);
     sender_axis = long_axis(l, s);
     if (!links_may_split(l, s, sender_axis))
@@ -182,8 +180,8 @@ static int add_link(links *l, const pair *p, uint32_t block)
 static int refine(links *l, pair p, uint32_t block)
 {
     const int passes = classify(l, &p);
-    int       axis;
-    verdict   v;
+    int axis;
+    verdict v;
 
     if (passes <= 0)
         return passes == 0;
@@ -196,7 +194,7 @@ static int refine(links *l, pair p, uint32_t block)
         return add_link(l, &p, block);
     for (int i = 0; i < 2; i++) {
         uint32_t *split = v == SPLIT_RECEIVER ? &p.receiver : &p.sender;
-        pair      part = p;
+        pair part = p;
 
         if (links_at(l, *split)->child < 0 && !links_split(l, *split, axis))
             return 0;
@@ -211,8 +209,8 @@ static int refine(links *l, pair p, uint32_t block)
 static int refine_roots(links *l)
 {
     const size_t surfaces = l->scene->convex ? 0 : l->scene->surfaces.count;
-    uint32_t    *all;
-    pair         p;
+    uint32_t *all;
+    pair p;
 
     all = lcor_array_reserve(&l->allocator, &l->occluders, surfaces, sizeof *all);
     if (!all)
@@ -235,15 +233,14 @@ static int refine_roots(links *l)
 int links_refine(links *l)
 {
     lcor_array old = l->list;
-    int        good = 1;
+    int good = 1;
 
     if (old.count == 0)
         return refine_roots(l);
     l->list = (lcor_array){0};
     for (size_t i = 0; good && i < old.count; i++) {
         const links_link *link = (const links_link *)old.items + i;
-        const pair        p = {link->receiver, link->sender, link->first_occluder,
-                               link->occluder_count};
+        const pair p = {link->receiver, link->sender, link->first_occluder, link->occluder_count};
 
         good = refine(l, p, link->block);
     }

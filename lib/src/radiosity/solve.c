@@ -14,10 +14,9 @@ static const double dark_share = 0.1;
 static void reflect(links *l, size_t element, const double *irradiance, int with_source)
 {
     const links_element *e = links_at(l, element);
-    const lcor_surface  *look =
-        &scene_surface_at(l->scene, links_face_of(l, e)->surface)->look;
+    const lcor_surface *look = &scene_surface_at(l->scene, links_face_of(l, e)->surface)->look;
     const double *source = links_values(l, &l->source, element);
-    double       *out = links_values(l, &l->radiosity, element);
+    double *out = links_values(l, &l->radiosity, element);
 
     for (int c = 0; c < l->channels; c++) {
         const double rho = light_channel(l->lights, look->reflectance, c);
@@ -33,13 +32,13 @@ static void pull(links *l)
 {
     for (size_t i = l->elements.count; i-- > 0;) {
         const links_element *e = links_at(l, i);
-        double              *out = links_values(l, &l->radiosity, i), area[RULE_Q];
+        double *out = links_values(l, &l->radiosity, i), area[RULE_Q];
 
         if (e->child < 0)
             continue;
         memset(out, 0, (size_t)(RULE_Q * l->channels) * sizeof *out);
         for (int h = 0; h < 2; h++) {
-            const size_t  child = (size_t)(e->child + h);
+            const size_t child = (size_t)(e->child + h);
             const double *in = links_values(l, &l->radiosity, child);
 
             links_node_areas(l, links_at(l, child), area);
@@ -63,8 +62,8 @@ static void receive(const links *l, const links_link *link)
 
     for (int c = 0; c < l->channels; c++) {
         const double *b = links_values(l, &l->radiosity, link->sender) + c * RULE_Q;
-        double       *e = links_values(l, &l->irradiance, link->receiver) + c * RULE_Q;
-        double        mean = 0;
+        double *e = links_values(l, &l->irradiance, link->receiver) + c * RULE_Q;
+        double mean = 0;
 
         for (int k = 0; k < RULE_Q; k++)
             mean += rule_w[k / RULE_P] * rule_w[k % RULE_P] * b[k];
@@ -82,10 +81,10 @@ static void receive(const links *l, const links_link *link)
 /* Links of one receiver stay together, so that sums have one order on any number of threads. */
 static void receive_task(void *arg, size_t chunk)
 {
-    const links      *l = arg;
+    const links *l = arg;
     const links_link *list = l->list.items;
-    const size_t      n = l->list.count, parts = RECEIVERS;
-    size_t            first = n * chunk / parts, end = n * (chunk + 1) / parts;
+    const size_t n = l->list.count, parts = RECEIVERS;
+    size_t first = n * chunk / parts, end = n * (chunk + 1) / parts;
 
     while (first > 0 && first < n && list[first].receiver == list[first - 1].receiver)
         first++;
@@ -143,7 +142,7 @@ static void transport(links *l, const double *closure, double *out)
 static double product(const links *l, const double *weight, const double *a, const double *b)
 {
     const size_t values = (size_t)(RULE_Q * l->channels);
-    double       sum = 0;
+    double sum = 0;
 
     for (size_t i = 0; i < l->leaf_count; i++) {
         double part = 0;
@@ -211,7 +210,7 @@ static void combine(hessenberg *s, int steps, size_t n, const double *basis, dou
 static double halves_differ(const links *l, const links_element *e, const double *b, int h)
 {
     const double *half = links_values(l, &l->radiosity, (size_t)(e->child + h));
-    double        worst = 0, pushed[RULE_Q];
+    double worst = 0, pushed[RULE_Q];
 
     for (int c = 0; c < l->channels; c++) {
         double most = 0;
@@ -228,8 +227,8 @@ static double halves_differ(const links *l, const links_element *e, const double
 static void set_bounds(links *l, size_t i)
 {
     links_element *e = links_at(l, i);
-    const double  *b = links_values(l, &l->radiosity, i), *in = links_values(l, &l->irradiance, i);
-    double         least = HUGE_VAL;
+    const double *b = links_values(l, &l->radiosity, i), *in = links_values(l, &l->irradiance, i);
+    double least = HUGE_VAL;
 
     e->rough = e->rough_direct;
     if (e->child >= 0) {
@@ -237,7 +236,8 @@ static void set_bounds(links *l, size_t i)
 
         e->b_max = fmax(child[0].b_max, child[1].b_max);
         e->e_min = fmin(child[0].e_min, child[1].e_min);
-        e->rough = fmax(child[0].rough, child[1].rough) + fmax(halves_differ(l, e, b, 0), halves_differ(l, e, b, 1));
+        e->rough = fmax(child[0].rough, child[1].rough) +
+                   fmax(halves_differ(l, e, b, 0), halves_differ(l, e, b, 1));
         return;
     }
     e->b_max = 0;
@@ -276,11 +276,11 @@ static void accept_solution(links *l, const double *x)
 static double energy_defect(links *l, const double *x, const double *seen)
 {
     const size_t values = (size_t)(RULE_Q * l->channels);
-    double       defect = 0, power = 0;
+    double defect = 0, power = 0;
 
     for (size_t i = 0; i < l->elements.count; i++) {
         const links_element *e = links_at(l, i);
-        double               area[RULE_Q];
+        double area[RULE_Q];
 
         if (e->leaf < 0)
             continue;
@@ -311,10 +311,10 @@ static void find_seen(links *l, double *seen)
 enum { SEEN, RIGHT, SOLUTION, BASIS };
 
 typedef struct work {
-    links        *l;
-    size_t        n;
+    links *l;
+    size_t n;
     const double *closure; /* or NULL */
-    hessenberg    s;
+    hessenberg s;
 } work;
 
 static double *weights_of(const work *w) { return w->l->krylov.items; }
@@ -383,10 +383,10 @@ static int may_close(const links *l)
 int links_solve(links *l, double tolerance, int max_iterations)
 {
     const int most = max_iterations < KRYLOV_MAX ? max_iterations : KRYLOV_MAX;
-    work      w = {l, 0, NULL, {{{0}}, {0}, {0}, {0}}};
+    work w = {l, 0, NULL, {{{0}}, {0}, {0}, {0}}};
     const int closed = may_close(l);
-    double    norm, beta = 0, *first, *seen;
-    int       k = 0, capacity = 8;
+    double norm, beta = 0, *first, *seen;
+    int k = 0, capacity = 8;
 
     number_leaves(l, NULL);
     w.n = l->leaf_count * (size_t)(RULE_Q * l->channels);

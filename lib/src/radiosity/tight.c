@@ -11,19 +11,19 @@ enum { OCCLUDERS_MAX = 256, CHUNK = 4 };
 
 typedef struct gatherer {
     const links *l;
-    transfer     t;
-    uint32_t     skip;
-    int          crowded; /* too many occluders to clip against: rays decide */
-    double      *out;
+    transfer t;
+    uint32_t skip;
+    int crowded; /* too many occluders to clip against: rays decide */
+    double *out;
 } gatherer;
 
 /* Descends until the polynomial of an element is as good as those of its parts. */
 static void gather_element(const gatherer *g, size_t index)
 {
-    const links         *l = g->l;
+    const links *l = g->l;
     const links_element *e = links_at(l, index);
-    const face          *f = links_face_of(l, e);
-    double               weights[RULE_Q];
+    const face *f = links_face_of(l, e);
+    double weights[RULE_Q];
 
     if (!(e->b_max > 0))
         return;
@@ -52,11 +52,11 @@ static void gather_element(const gatherer *g, size_t index)
 void links_gather(const links *l, const double x[3], const double normal[3], uint32_t skip,
                   double accuracy, double *out)
 {
-    const cell   all = {0, 0, 1, 1};
+    const cell all = {0, 0, 1, 1};
     const size_t surfaces = l->scene->convex ? 0 : l->scene->surfaces.count;
-    uint32_t     occluders[OCCLUDERS_MAX];
-    gatherer     g = {l, {l->scene, x, normal, NULL, occluders, 0, accuracy, -1}, skip, 0, out};
-    region       here, there;
+    uint32_t occluders[OCCLUDERS_MAX];
+    gatherer g = {l, {l->scene, x, normal, NULL, occluders, 0, accuracy, -1}, skip, 0, out};
+    region here, there;
 
     vec_copy(normal, here.normal);
     for (int i = 0; i < 4; i++)
@@ -65,7 +65,7 @@ void links_gather(const links *l, const double x[3], const double normal[3], uin
         out[c] = 0;
     for (size_t i = 0; i < l->faces.count; i++) {
         const face *f = (const face *)l->faces.items + i;
-        double      d[3];
+        double d[3];
 
         vec_sub(x, f->origin, d);
         if (f->surface == skip || vec_dot(d, f->normal) <= SCENE_TOUCH * l->scene->diameter)
@@ -94,21 +94,21 @@ typedef struct sample {
 
 typedef struct estimate_job {
     const links *l;
-    sample      *samples;
-    size_t       count;
-    double       accuracy;
+    sample *samples;
+    size_t count;
+    double accuracy;
 } estimate_job;
 
 static void estimate_task(void *arg, size_t chunk)
 {
     const estimate_job *job = arg;
-    const links        *l = job->l;
+    const links *l = job->l;
 
     for (size_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < job->count; i++) {
-        sample              *p = &job->samples[i];
+        sample *p = &job->samples[i];
         const links_element *e = links_at(l, p->leaf);
-        const face          *f = links_face_of(l, e);
-        double               x[3], at_s[RULE_P], at_t[RULE_P], gathered[3], direct[3];
+        const face *f = links_face_of(l, e);
+        double x[3], at_s[RULE_P], at_t[RULE_P], gathered[3], direct[3];
 
         face_point(f, e->c.s0 + p->u * e->c.hs, e->c.t0 + p->v * e->c.ht, x);
         rule_values(p->u, at_s);
@@ -153,7 +153,7 @@ static size_t place_samples(const links *l, size_t n, sample *samples)
 int links_estimate(links *l, size_t n, links_errors *out)
 {
     estimate_job job = {l, NULL, 0, 0.5 * l->accuracy};
-    double       weight = 0, mean = 0, square = 0, fourth = 0, spread, amplify;
+    double weight = 0, mean = 0, square = 0, fourth = 0, spread, amplify;
 
     job.samples = lcor_internal_alloc(&l->allocator, n * sizeof *job.samples);
     if (!job.samples)

@@ -14,8 +14,9 @@ enum { DEPTH_MAX = 64, CLIP_DEPTH_MAX = 24 };
 static const double inv_pi = 0.31830988618379067154;
 
 /* q of lines of half length `length`, given where the cell's centre lies from x: `du` along them,
- * `dv` across them in the plane, `dn` off the plane. The cell reaches `reach` to either side across,
- * shifted by `shear` a unit. On the line nearest to x the distance vanishes at a complex point, foot
+ * `dv` across them in the plane, `dn` off the plane. The cell reaches `reach` to either side
+ * across, shifted by `shear` a unit. On the line nearest to x the distance vanishes at a complex
+ * point, foot
  * +- i height in units of the half length. */
 static double line_ellipse(double length, double du, double dv, double dn, double reach,
                            double shear, double *distance2)
@@ -34,7 +35,7 @@ static double parallelogram_ellipse(const face *f, const cell *c, const double d
 {
     const double half[2] = {0.5 * c->hs * f->length[0], 0.5 * c->ht * f->length[1]};
     const double sine = f->jacobian / (f->length[0] * f->length[1]), dn = vec_dot(d, f->normal);
-    double       distance2[2];
+    double distance2[2];
 
     for (int i = 0; i < 2; i++) {
         const double reach = half[1 - i] * sine, shear = (i == 0 ? 1 : -1) * f->cosine / sine;
@@ -56,7 +57,7 @@ static double trapezoid_ellipse(const face *f, const cell *c, const double d[3],
         half[1][k] = 0.25 * (corners[3][k] - corners[0][k] + corners[2][k] - corners[1][k]);
     }
     for (int i = 0; i < 2; i++) {
-        double       along[3], across[3], h;
+        double along[3], across[3], h;
         const double length = (vec_copy(half[i], along), vec_normalize(along));
 
         vec_cross(f->normal, along, across);
@@ -157,7 +158,7 @@ static void add_triangle(const transfer *t, const face *f, const cell *c, const 
     for (int i = 0; i < RULE_P; i++)
         for (int j = 0; j < RULE_P; j++) {
             const double w = area2 * rule_x[i] * rule_w[i] * rule_w[j];
-            double       y[3], s, z, at_s[RULE_P], at_t[RULE_P], value;
+            double y[3], s, z, at_s[RULE_P], at_t[RULE_P], value;
 
             vec_plane_point(p, a, b, rule_x[i], rule_x[i] * rule_x[j], y);
             value = w * kernel(t, f, y);
@@ -173,7 +174,7 @@ static void add_triangle(const transfer *t, const face *f, const cell *c, const 
 static int visible_part(const transfer *t, const face *f, double (*corners)[3], visible_set *set)
 {
     const double touch = SCENE_TOUCH * t->scene->diameter;
-    visible_eye  eye = {{0, 0, 0}, 0};
+    visible_eye eye = {{0, 0, 0}, 0};
 
     (void)visible_start(set, 4, corners[0]);
     if (t->light && t->light->kind == LCOR_LIGHT_DIRECTIONAL) {
@@ -220,7 +221,7 @@ static int centre_blocked(const transfer *t, const face *f, const cell *c)
 static double clipped_cell(const transfer *t, const face *f, const cell *c, int depth,
                            double weights[RULE_Q])
 {
-    double      corners[4][3];
+    double corners[4][3];
     visible_set set;
 
     face_cell_corners(f, c, corners);
@@ -280,8 +281,8 @@ static double near_cell(const transfer *t, const face *f, const cell *c, int cli
     }
     if (exact < 0) {
         const int axis = error[0] >= error[1] ? 0 : 1;
-        double    part[RULE_Q];
-        cell      half = *c;
+        double part[RULE_Q];
+        cell half = *c;
 
         exact = 0;
         memset(weights, 0, RULE_Q * sizeof *weights);
@@ -300,7 +301,7 @@ static double near_cell(const transfer *t, const face *f, const cell *c, int cli
 /* -1 nothing of the cell is in front of x and facing it, 0 all of it is, 1 some. */
 static int horizon(const transfer *t, const face *f, double (*corners)[3])
 {
-    int    below = 0;
+    int below = 0;
     double d[3];
 
     vec_sub(t->x, f->origin, d);
@@ -316,7 +317,7 @@ static int horizon(const transfer *t, const face *f, double (*corners)[3])
 double transfer_weights(const transfer *t, const face *f, const cell *c, double weights[RULE_Q])
 {
     double corners[4][3], exact, sum = 0;
-    int    clipped = t->occluder_count > 0;
+    int clipped = t->occluder_count > 0;
 
     if (!t->light) {
         int side;
@@ -345,7 +346,7 @@ double transfer_weights(const transfer *t, const face *f, const cell *c, double 
 double transfer_factor(const transfer *t, const face *f, const cell *c)
 {
     visible_set set;
-    double      corners[4][3];
+    double corners[4][3];
 
     face_cell_corners(f, c, corners);
     if (horizon(t, f, corners) < 0)
@@ -357,11 +358,11 @@ double transfer_factor(const transfer *t, const face *f, const cell *c)
     return set_factor(t, &set);
 }
 
-int transfer_factors(const transfer *t, const face *r, size_t n, double (*points)[3],
-                     const face *f, const cell *c, double *factors)
+int transfer_factors(const transfer *t, const face *r, size_t n, double (*points)[3], const face *f,
+                     const cell *c, double *factors)
 {
     double corners[4][3], x[3][TRANSFER_POINTS], d[3];
-    int    clipped = t->occluder_count > 0;
+    int clipped = t->occluder_count > 0;
 
     face_cell_corners(f, c, corners);
     for (int i = 0; i < 4; i++) {

@@ -15,20 +15,20 @@ static const double test_t[5] = {0.02, 0.98, 0.5, 0.02, 0.98};
 /* All lights at once, mean of the channels. */
 static double brightness(const links *l, size_t f, const double x[3])
 {
-    const face  *at = (const face *)l->faces.items + f;
+    const face *at = (const face *)l->faces.items + f;
     const size_t lights = l->scene->lights.count;
-    double       sum = 0;
+    double sum = 0;
 
     for (size_t i = 0; i < lights; i++) {
-        const lcor_light   *light = scene_light_at(l->scene, i);
+        const lcor_light *light = scene_light_at(l->scene, i);
         const links_shadow *shadow = &l->shadows[f * lights + i];
-        double              value, power = 0;
+        double value, power = 0;
 
         if (shadow->dark)
             continue;
         value = lcor_direct_unshadowed(light, x, at->normal);
-        if (!(value > 0) || (shadow->count > 0 &&
-                             lcor_direct_shadowed(l->scene, light, x, at->surface, NULL)))
+        if (!(value > 0) ||
+            (shadow->count > 0 && lcor_direct_shadowed(l->scene, light, x, at->surface, NULL)))
             continue;
         for (int c = 0; c < l->channels; c++)
             power += light_channel(l->lights, light->intensity, c) / l->channels;
@@ -40,13 +40,13 @@ static double brightness(const links *l, size_t f, const double x[3])
 static void look_at_light(const links *l, links_element *e)
 {
     const face *f = links_face_of(l, e);
-    double      value[RULE_Q], lowest = HUGE_VAL, highest = 0, worst = 0;
+    double value[RULE_Q], lowest = HUGE_VAL, highest = 0, worst = 0;
 
     for (int k = 0; k < RULE_Q; k++) {
         double x[3];
 
-        face_point(f, e->c.s0 + rule_x[k / RULE_P] * e->c.hs, e->c.t0 + rule_x[k % RULE_P] * e->c.ht,
-                   x);
+        face_point(f, e->c.s0 + rule_x[k / RULE_P] * e->c.hs,
+                   e->c.t0 + rule_x[k % RULE_P] * e->c.ht, x);
         value[k] = brightness(l, e->face, x);
         lowest = fmin(lowest, value[k]);
         highest = fmax(highest, value[k]);
@@ -69,9 +69,9 @@ static void look_at_light(const links *l, links_element *e)
 
 static void set_look(links *l, links_element *e)
 {
-    const face         *f = links_face_of(l, e);
+    const face *f = links_face_of(l, e);
     const lcor_surface *look = &scene_surface_at(l->scene, f->surface)->look;
-    double              rho = 0, emission = 0;
+    double rho = 0, emission = 0;
 
     for (int c = 0; c < l->channels; c++) {
         rho += light_channel(l->lights, look->reflectance, c) / l->channels;
@@ -86,10 +86,10 @@ static void set_look(links *l, links_element *e)
 
 static int add_element(links *l, uint32_t face_number, const cell *c)
 {
-    const size_t   values = (size_t)(RULE_Q * l->channels) * sizeof(double);
+    const size_t values = (size_t)(RULE_Q * l->channels) * sizeof(double);
     links_element *e = lcor_array_reserve(&l->allocator, &l->elements, 1, sizeof *e);
-    lcor_array    *arrays[3] = {&l->irradiance, &l->radiosity, &l->source};
-    double         corners[4][3];
+    lcor_array *arrays[3] = {&l->irradiance, &l->radiosity, &l->source};
+    double corners[4][3];
 
     if (!e)
         return 0;
@@ -142,8 +142,8 @@ int links_may_split(const links *l, const links_element *e, int axis)
 int links_split(links *l, size_t element, int axis)
 {
     const links_element parent = *links_at(l, element);
-    const size_t        child = l->elements.count;
-    cell                half = parent.c;
+    const size_t child = l->elements.count;
+    cell half = parent.c;
 
     half.hs *= axis == 0 ? 0.5 : 1;
     half.ht *= axis == 1 ? 0.5 : 1;
@@ -194,12 +194,12 @@ static int find_shadows(links *l)
 
     for (size_t f = 0; f < l->faces.count; f++)
         for (size_t i = 0; i < lights; i++) {
-            const face   *at = (const face *)l->faces.items + f;
-            const cell    all = {0, 0, 1, 1};
+            const face *at = (const face *)l->faces.items + f;
+            const cell all = {0, 0, 1, 1};
             links_shadow *shadow = &l->shadows[f * lights + i];
-            region        r;
-            uint32_t     *room;
-            long          count;
+            region r;
+            uint32_t *room;
+            long count;
 
             memset(shadow, 0, sizeof *shadow);
             if (l->lights->open[i])
@@ -226,13 +226,13 @@ static void guess_ambient(links *l)
     double sent = 0, direct = 0, rho = 0, area = 0;
 
     for (size_t f = 0; f < l->faces.count; f++) {
-        const face         *at = (const face *)l->faces.items + f;
+        const face *at = (const face *)l->faces.items + f;
         const lcor_surface *look = &scene_surface_at(l->scene, at->surface)->look;
-        const cell          all = {0, 0, 1, 1};
-        const double        a = face_cell_area(at, &all);
+        const cell all = {0, 0, 1, 1};
+        const double a = face_cell_area(at, &all);
 
         for (int k = 0; k < RULE_Q; k++) {
-            double       x[3], e;
+            double x[3], e;
             const double w = a * rule_w[k / RULE_P] * rule_w[k % RULE_P];
 
             face_point(at, rule_x[k / RULE_P], rule_x[k % RULE_P], x);
@@ -260,8 +260,8 @@ static int is_closed(const links *l)
         return 0;
     for (size_t r = 0; r < l->faces.count; r++) {
         const face *at = (const face *)l->faces.items + r;
-        double      x[3], sum = 0;
-        transfer    t = {l->scene, x, at->normal, NULL, NULL, 0, 0, -1};
+        double x[3], sum = 0;
+        transfer t = {l->scene, x, at->normal, NULL, NULL, 0, 0, -1};
 
         face_point(at, 0.5, 0.5, x);
         for (size_t s = 0; s < l->faces.count; s++)
@@ -284,7 +284,7 @@ int links_relight(links *l)
 
 int links_init(links *l)
 {
-    const cell   all = {0, 0, 1, 1};
+    const cell all = {0, 0, 1, 1};
     const size_t surfaces = l->scene->surfaces.count, lights = l->scene->lights.count;
 
     l->first_face = lcor_internal_alloc(&l->allocator, (2 * surfaces + 1) * sizeof *l->first_face);

@@ -25,7 +25,7 @@ static int all_finite(const double *x, size_t n)
 
 lcor_status lcor_scene_check_look(const lcor_surface *look, size_t id, lcor_error *err)
 {
-    const long          where = (long)id;
+    const long where = (long)id;
     const unsigned long n = (unsigned long)id;
 
     for (int c = 0; c < 3; c++) {
@@ -44,7 +44,7 @@ lcor_status lcor_scene_check_look(const lcor_surface *look, size_t id, lcor_erro
 
 lcor_status lcor_scene_check_light(const lcor_light *light, size_t id, lcor_error *err)
 {
-    const long          where = (long)id;
+    const long where = (long)id;
     const unsigned long n = (unsigned long)id;
 
     switch (light->kind) {
@@ -58,8 +58,7 @@ lcor_status lcor_scene_check_light(const lcor_light *light, size_t id, lcor_erro
                                       "light %lu: range must be finite and >= 0", n);
         break;
     case LCOR_LIGHT_DIRECTIONAL: break;
-    default:
-        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, where, "light %lu: unknown kind", n);
+    default: return lcor_internal_fail(err, LCOR_ERR_DOMAIN, where, "light %lu: unknown kind", n);
     }
     if (light->kind != LCOR_LIGHT_POINT &&
         (!all_finite(light->direction, 3) || !(vec_dot(light->direction, light->direction) > 0)))
@@ -98,11 +97,11 @@ static double polygon_normal(const double *p, size_t n, double normal[3])
 
 static lcor_status check_shape(lcor_scene *scene, size_t id, lcor_error *err)
 {
-    scene_surface      *s = (scene_surface *)scene->surfaces.items + id;
-    const double       *p = scene_corners(scene, s);
-    const size_t        n = s->corner_count;
+    scene_surface *s = (scene_surface *)scene->surfaces.items + id;
+    const double *p = scene_corners(scene, s);
+    const size_t n = s->corner_count;
     const unsigned long number = (unsigned long)id;
-    double              size = 0, cross[3];
+    double size = 0, cross[3];
 
     if (!all_finite(p, 3 * n))
         return lcor_internal_fail(err, LCOR_ERR_DOMAIN, (long)id,
@@ -176,7 +175,7 @@ static lcor_status check_all(lcor_scene *scene, lcor_error *err)
 static double diameter_of(const lcor_scene *scene)
 {
     const double *p = scene->corners.items;
-    double        lo[3], hi[3], d[3];
+    double lo[3], hi[3], d[3];
 
     vec_copy(p, lo);
     vec_copy(p, hi);
@@ -191,9 +190,9 @@ static double diameter_of(const lcor_scene *scene)
 
 static lcor_status build_rays(lcor_scene *scene, const lcor_parallel *parallel, lcor_error *err)
 {
-    size_t         count = 0, at = 0;
+    size_t count = 0, at = 0;
     lcor_bvh_prim *prims;
-    lcor_status    status;
+    lcor_status status;
 
     for (size_t i = 0; i < scene->surfaces.count; i++) {
         const scene_surface *s = scene_surface_at(scene, i);
@@ -205,8 +204,8 @@ static lcor_status build_rays(lcor_scene *scene, const lcor_parallel *parallel, 
         return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory for the ray structure");
     for (size_t i = 0; i < scene->surfaces.count; i++) {
         const scene_surface *s = scene_surface_at(scene, i);
-        const double        *p = scene_corners(scene, s);
-        const size_t         fan = s->shape == SCENE_POLYGON ? s->corner_count - 2 : 1;
+        const double *p = scene_corners(scene, s);
+        const size_t fan = s->shape == SCENE_POLYGON ? s->corner_count - 2 : 1;
 
         for (size_t j = 0; j < fan; j++) {
             lcor_bvh_prim *prim = &prims[at++];

@@ -8,9 +8,9 @@ void lcor_scene_coordinates(const scene_surface *surface, const double point[3],
                             double *t)
 {
     const double *u = surface->edge_u, *v = surface->edge_v;
-    const double  uu = vec_dot(u, u), uv = vec_dot(u, v), vv = vec_dot(v, v);
-    const double  det = uu * vv - uv * uv;
-    double        d[3], du, dv;
+    const double uu = vec_dot(u, u), uv = vec_dot(u, v), vv = vec_dot(v, v);
+    const double det = uu * vv - uv * uv;
+    double d[3], du, dv;
 
     vec_sub(point, surface->origin, d);
     du = vec_dot(d, u);
@@ -45,7 +45,7 @@ size_t lcor_scene_patches_of(const scene_surface *surface)
 static void triangle_patch(size_t n, size_t k, scene_patch *out)
 {
     const double h = 1.0 / (double)n;
-    size_t       i = 0, j;
+    size_t i = 0, j;
 
     while (2 * n * (i + 1) - (i + 1) * (i + 1) <= k)
         i++;
@@ -91,7 +91,7 @@ void lcor_scene_patch(const lcor_scene *scene, const scene_surface *surface, siz
 {
     const size_t n = lcor_scene_patch_grid(surface);
     const double *p = scene_corners(scene, surface);
-    double        s1, t1, s2, t2;
+    double s1, t1, s2, t2;
 
     if (surface->shape == SCENE_QUAD) {
         quad_patch(surface, index, out);
@@ -125,8 +125,8 @@ lcor_status lcor_scene_patch_geometry(const lcor_scene *scene, size_t surface, d
                                       double *areas, double normal[3], lcor_error *err)
 {
     const scene_surface *s;
-    size_t               count;
-    double               cross[3], unit;
+    size_t count;
+    double cross[3], unit;
 
     if (!scene || !scene->committed || surface >= scene->surfaces.count)
         return lcor_internal_fail(err, LCOR_ERR_ARG, (long)surface,
@@ -140,7 +140,7 @@ lcor_status lcor_scene_patch_geometry(const lcor_scene *scene, size_t surface, d
         vec_copy(s->normal, normal);
     for (size_t i = 0; i < count; i++) {
         scene_patch patch;
-        double      a = 0, b = 0, area = 0;
+        double a = 0, b = 0, area = 0;
 
         lcor_scene_patch(scene, s, i, &patch);
         for (int c = 0; c < patch.corner_count; c++) {

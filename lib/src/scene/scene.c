@@ -9,8 +9,8 @@
 lcor_status lcor_scene_new(const lcor_allocator *allocator, lcor_scene **out, lcor_error *err)
 {
     lcor_allocator own;
-    lcor_scene    *scene;
-    lcor_status    status;
+    lcor_scene *scene;
+    lcor_status status;
 
     if (!out)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "lcor_scene_new: out is NULL");
@@ -43,7 +43,7 @@ static lcor_status add_surface(lcor_scene *scene, scene_shape shape, size_t n,
                                lcor_error *err)
 {
     scene_surface *surface;
-    double        *kept;
+    double *kept;
 
     if (!scene || !corners)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "surface: scene or corners are NULL");
@@ -131,7 +131,7 @@ lcor_status lcor_scene_set_surface(lcor_scene *scene, size_t id, const lcor_surf
                                    lcor_error *err)
 {
     static const lcor_surface none;
-    const lcor_surface       *look = surface ? surface : &none;
+    const lcor_surface *look = surface ? surface : &none;
 
     if (!scene || id >= scene->surfaces.count)
         return lcor_internal_fail(err, LCOR_ERR_ARG, (long)id, "surface %lu: there is none",
@@ -175,7 +175,7 @@ int lcor_scene_inside(const lcor_scene *scene, const double point[3])
 {
     for (size_t i = 0; i < scene->surfaces.count; i++) {
         const scene_surface *s = scene_surface_at(scene, i);
-        double               d[3];
+        double d[3];
 
         vec_sub(point, s->origin, d);
         if (vec_dot(d, s->normal) < -SCENE_TOUCH * scene->diameter)
@@ -188,7 +188,7 @@ int lcor_scene_blocked(const lcor_scene *scene, const double from[3], const doub
                        uint32_t skip, uint32_t *cache)
 {
     lcor_ray ray;
-    double   length;
+    double length;
 
     vec_copy(from, ray.origin);
     vec_sub(to, from, ray.direction);
@@ -214,12 +214,12 @@ int lcor_scene_blocked_towards(const lcor_scene *scene, const double from[3],
     return lcor_bvh_occluded(scene->bvh, &ray, cache);
 }
 
-int lcor_scene_intersect(const lcor_scene *scene, const double origin[3],
-                         const double direction[3], double t_max, lcor_hit *hit)
+int lcor_scene_intersect(const lcor_scene *scene, const double origin[3], const double direction[3],
+                         double t_max, lcor_hit *hit)
 {
     const scene_surface *surface;
-    lcor_bvh_hit         found;
-    lcor_ray             ray;
+    lcor_bvh_hit found;
+    lcor_ray ray;
 
     vec_copy(origin, ray.origin);
     vec_copy(direction, ray.direction);

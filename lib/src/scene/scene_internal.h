@@ -14,23 +14,23 @@
 typedef enum scene_shape { SCENE_QUAD, SCENE_TRIANGLE, SCENE_POLYGON } scene_shape;
 
 typedef struct scene_surface {
-    scene_shape  shape;
-    double       origin[3], edge_u[3], edge_v[3]; /* polygon: corner 0 and the edges to 1 and 2 */
-    double       normal[3];                       /* of length 1, on the facing side */
-    double       area;
-    size_t       first_corner, corner_count; /* in lcor_scene.corners, counted in points */
+    scene_shape shape;
+    double origin[3], edge_u[3], edge_v[3]; /* polygon: corner 0 and the edges to 1 and 2 */
+    double normal[3];                       /* of length 1, on the facing side */
+    double area;
+    size_t first_corner, corner_count; /* in lcor_scene.corners, counted in points */
     lcor_surface look;
 } scene_surface;
 
 struct lcor_scene {
     lcor_allocator allocator;
-    lcor_array     surfaces; /* scene_surface */
-    lcor_array     lights;   /* lcor_light, directions of length 1 after commit */
-    lcor_array     corners;  /* double[3] */
-    int            committed;
-    lcor_bvh      *bvh;      /* owners are surface numbers */
-    double         diameter; /* of the bounding box */
-    int            convex;   /* no surface has anything behind it: nothing hides anything */
+    lcor_array surfaces; /* scene_surface */
+    lcor_array lights;   /* lcor_light, directions of length 1 after commit */
+    lcor_array corners;  /* double[3] */
+    int committed;
+    lcor_bvh *bvh;   /* owners are surface numbers */
+    double diameter; /* of the bounding box */
+    int convex;      /* no surface has anything behind it: nothing hides anything */
 };
 
 /* Distance below which a ray's end counts as lying on a surface, as part of scene->diameter. */
@@ -72,12 +72,12 @@ int lcor_scene_blocked_towards(const lcor_scene *scene, const double from[3],
  * counted fan triangle by fan triangle. */
 typedef struct scene_patch {
     double s[4], t[4];
-    int    corner_count;
+    int corner_count;
 } scene_patch;
 
 size_t lcor_scene_patches_of(const scene_surface *surface); /* 0: does not fit size_t */
-void   lcor_scene_patch(const lcor_scene *scene, const scene_surface *surface, size_t index,
-                        scene_patch *out);
+void lcor_scene_patch(const lcor_scene *scene, const scene_surface *surface, size_t index,
+                      scene_patch *out);
 size_t lcor_scene_patch_grid(const scene_surface *surface); /* n of a triangle or polygon */
 
 /* Edge coordinates of the point's projection onto the surface's plane. */

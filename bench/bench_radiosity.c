@@ -1,0 +1,364 @@
+/* SPDX-License-Identifier: MIT */
+/* What a tolerance costs: engine links in the paper's room against the classical dense solver in
+ * the same run, growth with the number of patches, the room with a box, the white furnace, an
+ * update.
+ *
+ *   bench_radiosity [FILE.json]
+ *
+ * One thread, processor time, best of several. The reference files are looked for in
+ * tests/data/reference below the current folder. */
+#include "dense.h"
+
+#include <lcor/radiosity.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { FACES = 6, REPEAT = 5 };
+
+static const char *const names[FACES] = {"floor", "ceiling", "x0", "x1", "y0", "y1"};
+static const int swapped[FACES] = {0, 1, 0, 1, 1, 0};
+static const double quads[11][9] = {{0, 0, 0, 1, 0, 0, 0, 1, 0},
+                                    {0, 0, 1, 0, 1, 0, 1, 0, 0},
+                                    {0, 0, 0, 0, 1, 0, 0, 0, 1},
+                                    {1, 0, 0, 0, 0, 1, 0, 1, 0},
+                                    {0, 0, 0, 0, 0, 1, 1, 0, 0},
+                                    {0, 1, 0, 1, 0, 0, 0, 0, 1},
+                                    {0.45, 0.2, 0.4, 0.3, 0, 0, 0, 0.3, 0},
+                                    {0.45, 0.2, 0, 0, 0, 0.4, 0, 0.3, 0},
+                                    {0.75, 0.2, 0, 0, 0.3, 0, 0, 0, 0.4},
+                                    {0.45, 0.2, 0, 0.3, 0, 0, 0, 0, 0.4},
+                                    {0.45, 0.5, 0, 0, 0, 0.4, 0.3, 0, 0}};
+
+static double now(void)
+{
+    struct timespec t;
+
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void must(lcor_status status, const lcor_error *err)
+{
+    if (status != LCOR_OK) {
+        fprintf(stderr, "bench_radiosity: %s\n", err->text);
+        exit(1);
+    }
+}
+
+static lcor_light lamp(double x)
+{
+    lcor_light light;
+
+    memset(&light, 0, sizeof light);
+    light.position[0] = x;
+    light.position[1] = 0.4;
+    light.position[2] = 0.7;
+    light.intensity[0] = light.intensity[1] = light.intensity[2] = 1;
+    return light;
+}
+
+/* The paper's room with n x n patches a face, with a box, or as a furnace of reflectance rho. */
+static lcor_scene *room(size_t n, int box, double furnace)
+{
+    static const double rho[11] = {0.3, 0.8, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5};
+    const lcor_light light = lamp(0.3);
+    lcor_scene *scene = NULL;
+    lcor_error err;
+
+    must(lcor_scene_new(NULL, &scene, &err), &err);
+    for (int f = 0; f < (box ? 11 : FACES); f++) {
+        lcor_surface look;
+
+        memset(&look, 0, sizeof look);
+        for (int c = 0; c < 3; c++) {
+            look.reflectance[c] = furnace > 0 ? furnace : rho[f];
+            look.emission[c] = furnace > 0 ? 1 : 0;
+        }
+        look.patches[0] = look.patches[1] = f < FACES ? n : 10;
+        must(lcor_scene_add_quad(scene, quads[f], quads[f] + 3, quads[f] + 6, &look, NULL, &err),
+             &err);
+    }
+    if (!(furnace > 0))
+        must(lcor_scene_add_light(scene, &light, NULL, &err), &err);
+    must(lcor_scene_commit(scene, NULL, &err), &err);
+    return scene;
+}
+
+/* All patches of the room's faces, in the references' order. */
+static void patches(const lcor_solution *solution, size_t n, double *face, double *out)
+{
+    lcor_error err;
+
+    for (size_t f = 0; f < FACES; f++) {
+        must(lcor_solution_patches(solution, f, LCOR_VALUE_AVERAGE, face, NULL, &err), &err);
+        if (out)
+            for (size_t i = 0; i < n; i++)
+                for (size_t j = 0; j < n; j++)
+                    out[(f * n + i) * n + j] = swapped[f] ? face[j * n + i] : face[i * n + j];
+    }
+}
+
+typedef struct run {
+    double seconds; /* solve and all patches, best */
+    lcor_radiosity_report report;
+} run;
+
+static run measure(const lcor_scene *scene, size_t n, double tolerance, lcor_norm norm, double *out)
+{
+    double *face = malloc(n * n * sizeof *face);
+    run r;
+
+    r.seconds = 1e300;
+    for (int k = 0; face && k < REPEAT && (k == 0 || r.seconds < 1); k++) {
+        lcor_radiosity_options options;
+        lcor_solution *solution = NULL;
+        lcor_error err;
+        double start = now();
+
+        memset(&options, 0, sizeof options);
+        options.struct_size = sizeof options;
+        options.tolerance = tolerance;
+        options.norm = norm;
+        must(lcor_radiosity_solve(scene, &options, &solution, &err), &err);
+        patches(solution, n, face, out);
+        start = now() - start;
+        r.seconds = start < r.seconds ? start : r.seconds;
+        r.report = *lcor_solution_report(solution);
+        lcor_solution_free(solution);
+    }
+    free(face);
+    return r;
+}
+
+typedef struct errors {
+    double rms, max;
+    int rows;
+} errors;
+
+/* Against a reference file with columns ...face,i,j,E...: rms and worst error. */
+static errors compare(const char *path, const char *format, size_t n, const double *values)
+{
+    FILE *file = fopen(path, "r");
+    char line[256], name[16];
+    double mean = 0;
+    errors e = {0, 0, 0};
+
+    if (!file) {
+        fprintf(stderr, "bench_radiosity: cannot open %s: run it in the source folder\n", path);
+        exit(1);
+    }
+    for (size_t k = 0; k < FACES * n * n; k++)
+        mean += values[k] / (double)(FACES * n * n);
+    while (fgets(line, sizeof line, file)) {
+        double truth;
+        size_t i, j, f = 0;
+
+        if (sscanf(line, format, name, &i, &j, &truth) != 4)
+            continue;
+        while (f < FACES && strcmp(name, names[f]) != 0)
+            f++;
+        if (f < FACES) {
+            const double d = (values[(f * n + i) * n + j] - truth) / fmax(truth, 0.02 * mean);
+
+            e.rms += d * d;
+            e.max = fmax(e.max, fabs(d));
+            e.rows++;
+        }
+    }
+    fclose(file);
+    e.rms = sqrt(e.rms / e.rows);
+    return e;
+}
+
+static const char *const paper_file = "tests/data/reference/paper_room_50x50.csv";
+static const char *const paper_format = "%*[^,],%15[^,],%zu,%zu,%lf";
+static const char *const box_file = "tests/data/reference/box_room_50x50.csv";
+static const char *const box_format = "%15[^,],%zu,%zu,%lf";
+
+static FILE *json;
+static int table_count, row_count;
+
+static void table(const char *title, const char *note, const char *columns)
+{
+    printf("\n%s\n", title);
+    if (json)
+        fprintf(json,
+                "%s\n{\"title\": \"%s\", \"note\": \"%s\", \"command\": \"bench_radiosity\", "
+                "\"columns\": [%s], \"rows\": [",
+                table_count++ ? "]}," : "", title, note, columns);
+    row_count = 0;
+}
+
+static void row(int n, const double *values)
+{
+    for (int i = 0; i < n; i++)
+        printf("%12.4g", values[i]);
+    printf("\n");
+    if (json) {
+        fprintf(json, "%s[", row_count++ ? ", " : "");
+        for (int i = 0; i < n; i++)
+            fprintf(json, "%s%.4g", i ? ", " : "", values[i]);
+        fprintf(json, "]");
+    }
+}
+
+static void against_dense(double *values)
+{
+    static const double tolerances[] = {1e-2, 1e-3, 1e-4, 1e-2};
+    const size_t n = 50;
+    lcor_scene *scene = room(n, 0, 0);
+    double start = now(), dense;
+    size_t bytes = dense_paper_room(n, values);
+
+    dense = now() - start;
+    printf("dense solver: %.0f ms, %.0f MB\n", 1e3 * dense, 1e-6 * (double)bytes);
+    table(
+        "Paper's room, 15,000 patches: what a request costs",
+        "Engine links with all patch averages, one thread; times are shares of the dense solver's "
+        "in the same run (float matrix, 900 MB). The last row asks for the worst patch.",
+        "\"tolerance\", \"true rms\", \"estimated rms\", \"true max\", \"ms\", "
+        "\"dense over links\", \"MB\", \"links\"");
+    for (int k = 0; k < 4; k++) {
+        const run r =
+            measure(scene, n, tolerances[k], k == 3 ? LCOR_NORM_MAX : LCOR_NORM_RMS, values);
+        const errors e = compare(paper_file, paper_format, n, values);
+        const double out[8] = {tolerances[k],
+                               e.rms,
+                               r.report.error_rms,
+                               e.max,
+                               1e3 * r.seconds,
+                               dense / r.seconds,
+                               1e-6 * (double)r.report.bytes,
+                               (double)r.report.links};
+
+        row(8, out);
+    }
+    lcor_scene_free(scene);
+}
+
+static void growth(void)
+{
+    double first = 0;
+
+    table(
+        "Growth with the number of patches at a tolerance of 1e-3",
+        "Solve and all patch averages; the exponent is log(time ratio) / log(patch ratio) from the "
+        "first row.",
+        "\"patches\", \"ms\", \"MB besides the output\", \"exponent\"");
+    for (size_t n = 50; n <= 800; n *= 4) {
+        lcor_scene *scene = room(n, 0, 0);
+        const run r = measure(scene, n, 1e-3, LCOR_NORM_RMS, NULL);
+        const double count = (double)(FACES * n * n);
+        double out[4] = {count, 1e3 * r.seconds, 1e-6 * (double)r.report.bytes, 0};
+
+        if (n == 50)
+            first = r.seconds;
+        else
+            out[3] = log(r.seconds / first) / log(count / 15000);
+        row(4, out);
+        lcor_scene_free(scene);
+    }
+}
+
+static void box(double *values)
+{
+    static const double tolerances[] = {1e-2, 3e-3};
+    lcor_scene *empty = room(50, 0, 0), *full = room(50, 1, 0);
+
+    table(
+        "The room with a box on the floor, against path tracing",
+        "Errors at the 540 patches of the reference, a third of them next to the box or at shadow "
+        "edges; the reference itself has a noise of 1.3e-3. Time over that of the empty room.",
+        "\"tolerance\", \"rms\", \"worst\", \"ms\", \"times the empty room\", \"links\"");
+    for (int k = 0; k < 2; k++) {
+        const run a = measure(empty, 50, tolerances[k], LCOR_NORM_RMS, NULL);
+        const run b = measure(full, 50, tolerances[k], LCOR_NORM_RMS, values);
+        const errors e = compare(box_file, box_format, 50, values);
+        const double out[6] = {
+            tolerances[k],         e.rms, e.max, 1e3 * b.seconds, b.seconds / a.seconds,
+            (double)b.report.links};
+
+        row(6, out);
+    }
+    lcor_scene_free(empty);
+    lcor_scene_free(full);
+}
+
+static void furnace(double *values)
+{
+    static const double rhos[] = {0.5, 0.9, 0.99, 0.999};
+
+    table("White furnace: worst error of B = 1 / (1 - rho)", "Closed room, emission 1.",
+          "\"rho\", \"error\", \"iterations\", \"ms\"");
+    for (int k = 0; k < 4; k++) {
+        lcor_scene *scene = room(10, 0, rhos[k]);
+        const run r = measure(scene, 10, 1e-2, LCOR_NORM_RMS, values);
+        double out[4] = {rhos[k], 0, r.report.iterations, 1e3 * r.seconds};
+
+        for (int i = 0; i < FACES * 100; i++)
+            out[1] = fmax(out[1], fabs((1 + rhos[k] * values[i]) * (1 - rhos[k]) - 1));
+        row(4, out);
+        lcor_scene_free(scene);
+    }
+}
+
+static void update(void)
+{
+    lcor_scene *scene = room(50, 0, 0);
+    lcor_solution *solution = NULL;
+    lcor_radiosity_options options;
+    lcor_error err;
+    double out[3];
+
+    memset(&options, 0, sizeof options);
+    options.struct_size = sizeof options;
+    options.tolerance = 1e-3;
+    out[0] = now();
+    must(lcor_radiosity_solve(scene, &options, &solution, &err), &err);
+    out[0] = 1e3 * (now() - out[0]);
+    for (int k = 1; k < 3; k++) { /* moved a little, then moved back */
+        const lcor_light light = lamp(k == 1 ? 0.31 : 0.3);
+
+        must(lcor_scene_set_light(scene, 0, &light, &err), &err);
+        out[k] = now();
+        must(lcor_solution_update(solution, &err), &err);
+        out[k] = 1e3 * (now() - out[k]);
+    }
+    table("Light moved: links are kept", "Tolerance 1e-3, milliseconds without patches.",
+          "\"solve\", \"update after a move\", \"update after moving back\"");
+    row(3, out);
+    lcor_solution_free(solution);
+    lcor_scene_free(scene);
+}
+
+int main(int argc, char **argv)
+{
+    double *values = malloc(FACES * 2500 * sizeof *values);
+
+    if (!values)
+        return 1;
+    if (argc > 1) {
+        json = fopen(argv[1], "w");
+        if (!json) {
+            perror(argv[1]);
+            return 1;
+        }
+        fprintf(json, "{\"tables\": [");
+    }
+    against_dense(values);
+    growth();
+    box(values);
+    furnace(values);
+    update();
+    if (json) {
+        fprintf(json, "]}\n]}\n");
+        if (fclose(json) != 0)
+            return 1;
+    }
+    free(values);
+    return 0;
+}
