@@ -7,11 +7,12 @@ import json
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import cv2
 import numpy as np
-from results import best, table, write
+from results import table, write
 
 SIDE = 4096
 KERNELS = Path(__file__).resolve().parent.parent / "build/bench/bench/bench_kernel"
@@ -23,11 +24,13 @@ def opencv_pair() -> float:
     rgb = np.random.default_rng(1).random((SIDE, SIDE, 3), dtype=np.float32)
     lab, back = np.empty_like(rgb), np.empty_like(rgb)
 
-    def pair() -> None:
+    times = []
+    for _ in range(6):
+        start = time.process_time()  # as bench_kernel: the processor's time, on a shared machine too
         cv2.cvtColor(rgb, cv2.COLOR_LRGB2Lab, dst=lab)
         cv2.cvtColor(lab, cv2.COLOR_Lab2LRGB, dst=back)
-
-    return 1e9 * best(pair, 3) / SIDE**2
+        times.append(time.process_time() - start)
+    return 1e9 * min(times) / SIDE**2
 
 
 def rows() -> list[list]:

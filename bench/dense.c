@@ -59,7 +59,7 @@ static void near_patches(const room *r, const double p[3], int axis, double sign
                 corner[k][u] = at[0] + (k == 1 || k == 2 ? 0.5 : -0.5) * h;
                 corner[k][v] = at[1] + (k >= 2 ? 0.5 : -0.5) * h;
             }
-            row[i * r->n + j] = (float)contour(p, axis, sign, corner);
+            row[i * r->n + j] = (float)contour(p, axis, sign, (const double(*)[3])corner);
         }
 }
 

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace cli
 {
@@ -23,7 +24,7 @@ double seconds()
 /* The shortest of a few runs: the others were disturbed. */
 template <class Work> double best_seconds(int runs, Work work)
 {
-    double best = INFINITY;
+    double best = std::numeric_limits<double>::infinity();
     for (int i = 0; i < runs; i++) {
         const double start = seconds();
         work();
@@ -90,7 +91,7 @@ Json radiosity(Threads &threads)
 /* A row of pixels of every colour under light from dark to bright. */
 Json correction()
 {
-    enum { WIDTH = 4096, ROWS = 64 };
+    constexpr size_t WIDTH = 4096, ROWS = 64;
     static const struct {
         const char *name;
         lcor_sample type;
@@ -98,7 +99,7 @@ Json correction()
     } kinds[] = {{"8 bit", LCOR_U8, 1}, {"16 bit", LCOR_U16, 2}, {"float", LCOR_F32, 4}};
     std::vector<float> light(WIDTH);
     for (size_t x = 0; x < WIDTH; x++)
-        light[x] = 0.1F + 2.0F * static_cast<float>(x) / WIDTH;
+        light[x] = 0.1F + 2.0F * static_cast<float>(x) / static_cast<float>(WIDTH);
     Json rows = Json::array();
     for (const auto &kind : kinds) {
         CorrectionOptions defaults;

@@ -55,7 +55,7 @@ static void check_request(double tolerance, lcor_norm norm, lcor_value value)
     assert_true(report->converged);
     assert_true((norm == LCOR_NORM_RMS ? e.rms : e.max) <= tolerance);
     assert_true(report->error_rms >= 0.8 * e.rms);
-    assert_true(report->bytes <= 10000000);
+    assert_true(norm != LCOR_NORM_RMS || report->bytes <= 10000000);
     assert_true(report->energy_defect < tolerance);
     lcor_solution_free(solution);
     lcor_scene_free(scene);
@@ -127,7 +127,7 @@ static void occlusion_agrees_with_path_tracing(void **state)
     assert_non_null(total);
     add_box(scene, paper_box_low, paper_box_high, 0.5, 10);
     commit(scene);
-    solution = solve(scene, 1e-2, LCOR_NORM_RMS);
+    solution = solve(scene, 3e-3, LCOR_NORM_RMS);
     room_patches(solution, N, LCOR_VALUE_AVERAGE, total);
     for (size_t k = 0; k < ALL; k++)
         mean += total[k] / ALL;
@@ -144,8 +144,8 @@ static void occlusion_agrees_with_path_tracing(void **state)
     }
     /* A third of the patches lie where it is hardest: around the box and at shadow edges. */
     print_message("box: rms %.2e with noise %.2e, worst %.2e\n", sqrt(square), sqrt(noise), worst);
-    assert_true(sqrt(square) <= 2e-2);
-    assert_true(worst <= 0.12);
+    assert_true(sqrt(square) <= 3e-3);
+    assert_true(worst <= 2e-2);
     free(total);
     csv_free(&t);
     lcor_solution_free(solution);

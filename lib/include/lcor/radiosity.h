@@ -47,8 +47,9 @@ typedef struct lcor_radiosity_options {
     int channels;        /**< 0: 1 if lights and emission are all grey, else 3 */
     double luminance[3]; /**< weights of the channels where they are solved as one; zeros:
                               those of BT.709, 0.2126, 0.7152, 0.0722 */
-    double max_seconds;  /**< 0 = no limit; on reaching one the best solution is returned */
-    uint64_t max_bytes;  /**< with report.converged = 0, not an error */
+    double max_seconds;  /**< of processor time; 0 = no limit. On reaching one the best solution is
+                            returned */
+    uint64_t max_bytes; /**< 0 = no limit; as above, with report.converged = 0, which is no error */
     lcor_parallel parallel;
     lcor_progress progress;
     lcor_allocator allocator;

@@ -105,7 +105,8 @@ static int meet_block(walker *w, const bvh_block *block)
         const float vx = block->v[0][i], vy = block->v[1][i], vz = block->v[2][i];
         const float ax = w->d[1] * vz - w->d[2] * vy, ay = w->d[2] * vx - w->d[0] * vz,
                     az = w->d[0] * vy - w->d[1] * vx;
-        const float inv = 1.0f / (ux * ax + uy * ay + uz * az);
+        const float det = ux * ax + uy * ay + uz * az;
+        const float inv = 1.0f / (det < 0 || det > 0 ? det : FLT_MIN);
         const float sx = w->o[0] - block->origin[0][i], sy = w->o[1] - block->origin[1][i],
                     sz = w->o[2] - block->origin[2][i];
         const float bx = sy * uz - sz * uy, by = sz * ux - sx * uz, bz = sx * uy - sy * ux;
@@ -114,7 +115,7 @@ static int meet_block(walker *w, const bvh_block *block)
         const float t = (vx * bx + vy * by + vz * bz) * inv;
         const float slack = 1e-6f + block->slack[i] * (inv < 0 ? -inv : inv);
 
-        /* Written so that a NaN of a grazing ray passes on to the exact test. */
+        /* Written so that a NaN or infinity of a grazing ray passes on to the exact test. */
         pass[i] = !(u < -slack) & !(v < -slack) & !(u > 1 + slack) & !(v > 1 + slack) &
                   !(u + v > block->sum_max[i] + slack) & !(t > w->far + slack) & !(t < -slack);
     }

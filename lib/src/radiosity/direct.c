@@ -18,10 +18,11 @@ static double spot_factor(const lcor_light *light, double cosine)
 /* KHR_lights_punctual: window that brings the light to zero at its range. */
 static double range_factor(const lcor_light *light, double distance)
 {
-    const double q = distance / light->range;
+    double q;
 
     if (!(light->range > 0))
         return 1;
+    q = distance / light->range;
     return q < 1 ? 1 - q * q * q * q : 0;
 }
 

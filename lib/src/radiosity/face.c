@@ -173,12 +173,12 @@ int face_set(face *f, const double origin[3], const double u[3], const double v[
     uv = vec_dot(u, v);
     vv = vec_dot(v, v);
     det = uu * vv - uv * uv;
+    if (!(det > 0 && f->jacobian > 0))
+        return 0;
     for (int k = 0; k < 3; k++) {
         f->dual_u[k] = (vv * u[k] - uv * v[k]) / det;
         f->dual_v[k] = (uu * v[k] - uv * u[k]) / det;
     }
-    if (!(det > 0 && f->jacobian > 0))
-        return 0;
     vec_copy(u, f->along[0]);
     vec_copy(v, f->along[1]);
     for (int i = 0; i < 2; i++) {

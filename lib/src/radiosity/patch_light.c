@@ -76,7 +76,7 @@ static int points_needed(const quad_job *j, const cell *block)
         return 0;
     distance = sqrt(transfer_ellipse(j->light->position, &j->whole, block, ellipse));
     q2 = 4 * distance * distance / (edge * edge);
-    return 1 / q2 < j->accuracy ? 1 : 1 / (q2 * q2) < j->accuracy ? 2 : 0;
+    return q2 * j->accuracy > 1 ? 1 : q2 * q2 * j->accuracy > 1 ? 2 : 0;
 }
 
 /* Averages of an isotropic or parallel light over unshadowed patches of one row. */

@@ -59,14 +59,19 @@ static uint64_t bytes_held(const links *l)
            l->krylov.capacity * sizeof(double);
 }
 
+/* How much worse than the worst of the sampled points the worst patch may be. */
+static const double unseen = 2;
+
 static double wanted_error(const lcor_solution *s, const links_errors *e)
 {
-    return s->options.norm == LCOR_NORM_MAX ? e->max : e->rms;
+    return s->options.norm == LCOR_NORM_MAX ? unseen * e->max : e->rms;
 }
 
 static size_t sample_count(const lcor_solution *s)
 {
-    return s->options.tolerance >= 5e-3 && s->options.norm == LCOR_NORM_RMS ? 64 : 256;
+    if (s->options.norm == LCOR_NORM_MAX)
+        return 512;
+    return s->options.tolerance >= 5e-3 ? 64 : 256;
 }
 
 static int over_limit(const lcor_solution *s)

@@ -37,33 +37,30 @@ void rule_values(double x, double values[RULE_P])
     values[3] = scale[3] * d[0] * d[1] * d[2];
 }
 
+/* Inner loops run along memory, so that they become SIMD. */
 void rule_push(int axis, int c, const double *whole, double *half)
 {
     for (int g = 0; g < RULE_P; g++)
-        for (int a = 0; a < RULE_P; a++) {
-            const double p = rule_half[c][g][a];
-
-            if (axis == 0)
-                for (int b = 0; b < RULE_P; b++)
-                    half[g * RULE_P + b] += p * whole[a * RULE_P + b];
-            else
-                for (int b = 0; b < RULE_P; b++)
-                    half[b * RULE_P + g] += p * whole[b * RULE_P + a];
-        }
+        for (int a = 0; a < RULE_P; a++)
+            for (int b = 0; b < RULE_P; b++)
+                if (axis == 0)
+                    half[g * RULE_P + b] += rule_half[c][g][a] * whole[a * RULE_P + b];
+                else
+                    half[b * RULE_P + g] += rule_half[c][g][a] * whole[b * RULE_P + a];
 }
 
 void rule_fold(int axis, int c, const double *half, double *whole)
 {
-    for (int g = 0; g < RULE_P; g++)
-        for (int a = 0; a < RULE_P; a++) {
-            const double p = rule_half[c][g][a];
+    for (int a = 0; a < RULE_P; a++)
+        for (int g = 0; g < RULE_P; g++) {
+            const double p = rule_half[c][g][a], h = half[a * RULE_P + g];
 
             if (axis == 0)
                 for (int b = 0; b < RULE_P; b++)
                     whole[a * RULE_P + b] += p * half[g * RULE_P + b];
             else
                 for (int b = 0; b < RULE_P; b++)
-                    whole[b * RULE_P + a] += p * half[b * RULE_P + g];
+                    whole[a * RULE_P + b] += h * rule_half[c][g][b];
         }
 }
 

@@ -246,13 +246,13 @@ static double clipped_cell(const transfer *t, const face *f, const cell *c, int 
 /* Error of the rule on this cell along each axis. */
 static void rule_error(const transfer *t, const face *f, const cell *c, double error[2])
 {
+    const double *x = t->light ? t->light->position : t->x;
     double q[2], d[3], distance2, height, bound = 1;
 
-    if (t->light && t->light->kind == LCOR_LIGHT_DIRECTIONAL) {
-        error[0] = error[1] = 0;
+    error[0] = error[1] = 0;
+    if (t->light && t->light->kind == LCOR_LIGHT_DIRECTIONAL)
         return;
-    }
-    distance2 = transfer_ellipse(t->light ? t->light->position : t->x, f, c, q);
+    distance2 = transfer_ellipse(x, f, c, q);
     if (!t->light) {
         vec_sub(t->x, f->origin, d);
         height = vec_dot(d, f->normal);
