@@ -25,6 +25,43 @@ Console &console()
     return the_console;
 }
 
+/* Length of the UTF-8 character that starts at `at`, 0 where there is none. */
+size_t utf8_length(const std::string &text, size_t at)
+{
+    const auto byte = [&](size_t i) { return static_cast<unsigned char>(text[i]); };
+    const unsigned char first = byte(at);
+    const size_t length = first < 0x80   ? 1
+                          : first < 0xC2 ? 0
+                          : first < 0xE0 ? 2
+                          : first < 0xF0 ? 3
+                          : first < 0xF5 ? 4
+                                         : 0;
+    if (length == 0 || at + length > text.size())
+        return 0;
+    for (size_t i = 1; i < length; i++)
+        if ((byte(at + i) & 0xC0) != 0x80)
+            return 0;
+    return length;
+}
+
+/* One line of text, whatever bytes a file's name or content holds. */
+std::string printable(const std::string &text)
+{
+    std::string out;
+    for (size_t at = 0; at < text.size();) {
+        const size_t length = utf8_length(text, at);
+        const auto first = static_cast<unsigned char>(text[at]);
+        if (length == 0)
+            out += '?';
+        else if (first < ' ' || first == 127)
+            out += ' ';
+        else
+            out.append(text, at, length);
+        at += length == 0 ? 1 : length;
+    }
+    return out;
+}
+
 std::string formatted(const char *pattern, va_list arguments)
 {
     va_list again;
@@ -33,11 +70,7 @@ std::string formatted(const char *pattern, va_list arguments)
     std::string text(size > 0 ? static_cast<size_t>(size) : 0, '\0');
     std::vsnprintf(text.data(), text.size() + 1, pattern, again);
     va_end(again);
-    /* One line, whatever a file's name or content holds. */
-    for (char &c : text)
-        if (static_cast<unsigned char>(c) < ' ' || c == 127)
-            c = ' ';
-    return text;
+    return printable(text);
 }
 
 double seconds()

@@ -31,21 +31,21 @@ const char *find_obstacle(const port_info *port, const usb_model *model)
 }
 
 /* The port option to say for it: HID instruments by their numbers, which outlive replugging. */
-static void port_name(const port_info *port, char *out, size_t capacity)
+static const char *port_name(const port_info *port, char *buffer, size_t capacity)
 {
     if (strncmp(port->path, "/dev/hidraw", 11) != 0)
-        snprintf(out, capacity, "%s", port->path);
-    else
-        snprintf(out, capacity, "hid:%04x:%04x%s%s", port->vendor, port->product,
-                 *port->serial ? ":" : "", port->serial);
+        return port->path;
+    snprintf(buffer, capacity, "hid:%04x:%04x%s%s", port->vendor, port->product,
+             *port->serial ? ":" : "", port->serial);
+    return buffer;
 }
 
 static void show(const port_info *port, const usb_model *model)
 {
-    char name[96];
+    char buffer[96];
+    const char *name = port_name(port, buffer, sizeof buffer);
     const char *obstacle = find_obstacle(port, model);
     const char *title = model ? model->title : *port->title ? port->title : "USB device";
-    port_name(port, name, sizeof name);
     if (lccal_json()) {
         lccal_event_begin("device");
         lccal_event_text("port", name);
