@@ -198,7 +198,7 @@ static cal_status find_rate(instrument *in, int timeout_ms, cal_error *err)
 /* SV answers "X-Rite DTP41..." and may be split over lines. */
 static cal_status ask_version(instrument *in, int timeout_ms, cal_error *err)
 {
-    size_t used, data;
+    size_t used = 0, data = 0;
     int status = RCI_OK;
     const cal_status result = ask(in, "SV\r", timeout_ms, &used, &data, &status, err);
     if (result != CAL_OK)
