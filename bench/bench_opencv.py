@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The row call against OpenCV's float RGB -> L*a*b* -> RGB pair, which does no correction at all."""
+"""The row call against OpenCV's float RGB -> L*a*b* -> RGB pair, which corrects nothing."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def opencv_pair() -> float:
 
     times = []
     for _ in range(6):
-        start = time.process_time()  # as bench_kernel: the processor's time, on a shared machine too
+        start = time.process_time()  # the processor's time, as bench_kernel
         cv2.cvtColor(rgb, cv2.COLOR_LRGB2Lab, dst=lab)
         cv2.cvtColor(lab, cv2.COLOR_Lab2LRGB, dst=back)
         times.append(time.process_time() - start)
@@ -53,7 +53,8 @@ def main() -> None:
         "16 megapixels, interleaved linear float RGB, one thread, best of several. OpenCV: RGB to "
         "L*a*b* and back, nothing else. lcor: the whole correction, gamut clipped."
     )
-    write([table("Correction against two colour conversions", note, ["", "ns/pixel", "times"], lines)])
+    title = "Correction against two colour conversions"
+    write([table(title, note, ["", "ns/pixel", "times"], lines)])
 
 
 if __name__ == "__main__":

@@ -106,7 +106,10 @@ def change_column(text, name, change):
                          b"D_RED D_GREEN D_BLUE D_VIS OTHER MORE"), "no density"),
     (lambda t: t.replace(b"XYZ_X XYZ_Y XYZ_Z LAB_L LAB_A LAB_B",
                          b"D_RED D_GREEN D_BLUE A B C"), "line"),
-    (lambda t: t.replace(b"XYZ_X XYZ_Y XYZ_Z LAB_L LAB_A LAB_B", b"A B C D E F"), "no column D_VIS"),
+    (
+        lambda t: t.replace(b"XYZ_X XYZ_Y XYZ_Z LAB_L LAB_A LAB_B", b"A B C D E F"),
+        "no column D_VIS",
+    ),
     (lambda t: t.replace(b"CMYK_C CMYK_M CMYK_Y CMYK_K", b"A B C D"), "which patch is black"),
     (lambda t: t.replace(b"CMYK_C CMYK_M CMYK_Y CMYK_K", b"CMYK_K CMYK_M CMYK_Y CMYK_C"),
      "strong colour"),

@@ -147,7 +147,8 @@ def test_verify_measures_again(tmp_path, contrast, code):
 
 
 @pytest.mark.parametrize("arguments", [[], ["--against", "x", "--port", "y"], ["--tolerance", "0",
-                                       "--against", "x"], ["--max-age", "-1"], ["--tolerance", "a"]])
+                                       "--against", "x"], ["--max-age", "-1"],
+                                  ["--tolerance", "a"]])
 def test_verify_wants_something_to_do(profile, arguments):
     assert lccal("verify", profile, *arguments).returncode == 2
 

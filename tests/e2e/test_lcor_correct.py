@@ -4,7 +4,6 @@
 import math
 
 import pytest
-
 from gltf_scene import png
 from lcor_run import good, oiiotool, pixels, refused, report, write_pfm
 

@@ -9,7 +9,6 @@ import subprocess
 import time
 
 import pytest
-
 from gltf_scene import Scene, png
 from lcor_run import DATA, LCOR, good, lcor, refused, report, write_pfm
 

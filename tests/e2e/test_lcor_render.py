@@ -217,7 +217,8 @@ def test_pixels_without_a_surface_are_transparent_where_the_format_can(tmp_path)
 
 
 def test_bits_and_formats(room, tmp_path):
-    for name, bits, kind in (("a.png", 16, "uint16"), ("a.tif", 16, "uint16"), ("a.tif", 32, "float"),
+    for name, bits, kind in (("a.png", 16, "uint16"), ("a.tif", 16, "uint16"),
+                             ("a.tif", 32, "float"),
                              ("a.exr", None, "float"), ("a.jpg", None, "uint8")):
         options = () if bits is None else ("--bits", bits)
         good("render", room, "-o", tmp_path / name, *DRAFT, *DEVICE, *options)
@@ -228,7 +229,8 @@ def test_bits_and_formats(room, tmp_path):
 def test_provenance_and_false_colour(room, tmp_path):
     good("render", room, "-o", tmp_path / "a.png", *DRAFT, *DEVICE,
          "--aov", f"false-colour={tmp_path}/f.png")
-    info = json.loads(oiiotool("--info", "-v", "--metamatch", "ImageDescription", tmp_path / "a.png")
+    info = json.loads(oiiotool("--info", "-v", "--metamatch", "ImageDescription",
+                               tmp_path / "a.png")
                       .split("ImageDescription: ")[1].strip().strip('"').encode()
                       .decode("unicode_escape"))
     assert info["command"].startswith("lcor render") and info["contrast"] == 23.4
@@ -245,7 +247,8 @@ def test_provenance_and_false_colour(room, tmp_path):
 def test_a_lamp_that_emits_is_seen_bright(tmp_path):
     scene = Scene()
     black = scene.material((0.0, 0.0, 0.0), emissiveFactor=[1, 1, 1], doubleSided=True)
-    scene.node(mesh=scene.quad([(0.4, 0.4, 0.01), (0.6, 0.4, 0.01), (0.6, 0.6, 0.01), (0.4, 0.6, 0.01)],
+    scene.node(mesh=scene.quad([(0.4, 0.4, 0.01), (0.6, 0.4, 0.01),
+                                (0.6, 0.6, 0.01), (0.4, 0.6, 0.01)],
                                material=black))
     scene.node(mesh=scene.quad([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)],
                                material=scene.material((0.3, 0.3, 0.3))))

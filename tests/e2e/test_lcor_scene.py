@@ -6,7 +6,6 @@ import random
 import time
 
 import pytest
-
 from gltf_scene import QUAD, QUAD_UV, Scene, png
 from lcor_run import DATA, good, lcor, refused, report, table
 

@@ -12,6 +12,7 @@ includes() { sed -n 's/^ *# *include *["<]\([^">]*\)[">].*/\1/p' "$1"; }
 room() {
     dir=$1
     shift
+    # shellcheck disable=SC2044 # the tree has no names with spaces
     for file in $(find "$root/$dir" -name '*.c' -o -name '*.h' -o -name '*.cpp' -o -name '*.inc'); do
         for header in $(includes "$file"); do
             ok=0

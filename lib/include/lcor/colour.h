@@ -36,11 +36,11 @@ typedef enum lcor_lightness {
 
 /** One colour space: a plain value, filled by lcor_colour_init. Read it freely, do not edit it. */
 typedef struct lcor_colour {
-    double         to_xyz[9];   /**< row-major, linear RGB -> XYZ (eq 1) */
-    double         from_xyz[9]; /**< its inverse */
-    double         white[3];    /**< XYZ of RGB (1, 1, 1) */
-    lcor_transfer  transfer;
-    double         gamma; /**< of LCOR_TRANSFER_GAMMA, else 1 */
+    double to_xyz[9];   /**< row-major, linear RGB -> XYZ (eq 1) */
+    double from_xyz[9]; /**< its inverse */
+    double white[3];    /**< XYZ of RGB (1, 1, 1) */
+    lcor_transfer transfer;
+    double gamma; /**< of LCOR_TRANSFER_GAMMA, else 1 */
     lcor_lightness lightness;
 } lcor_colour;
 

@@ -55,23 +55,23 @@ typedef struct lcor_layout {
 
 /** Options of a plan. Zero it, set struct_size = sizeof(lcor_plan_options) and what differs. */
 typedef struct lcor_plan_options {
-    size_t         struct_size;
-    double         contrast; /**< c = Jmax/Jmin [1], > 1, infinity allowed (eq 13a) */
-    double         r_mean;   /**< mean of r over the picture (4.3), in the unit of illuminance *
-                                  reflectance, >= 0. 0: nothing was lit, all comes out black */
-    double         rho;      /**< reflectance used where a row gets none [1], 0..1; 0 = 0.5 */
-    double         rho_ratio; /**< measured over textured reflectance (5.2); 0 = 1 */
-    double         exponent;  /**< t of eq 8, > 0; 0 = 1 */
-    lcor_reading   reading;
-    lcor_gamut     gamut;
+    size_t struct_size;
+    double contrast;  /**< c = Jmax/Jmin [1], > 1, infinity allowed (eq 13a) */
+    double r_mean;    /**< mean of r over the picture (4.3), in the unit of illuminance *
+                           reflectance, >= 0. 0: nothing was lit, all comes out black */
+    double rho;       /**< reflectance used where a row gets none [1], 0..1; 0 = 0.5 */
+    double rho_ratio; /**< measured over textured reflectance (5.2); 0 = 1 */
+    double exponent;  /**< t of eq 8, > 0; 0 = 1 */
+    lcor_reading reading;
+    lcor_gamut gamut;
     const lcor_colour *colour; /**< NULL: NTSC, linear, CIE. Copied. */
-    lcor_sample    in_type, out_type;
-    lcor_sample    map_type; /**< of illuminance and rho rows: LCOR_F32 or LCOR_F64 */
-    lcor_layout    in_layout, out_layout;
-    const float   *tone_curve; /**< NULL, or tone_size values of the device at equal steps of
-                                    linear 0..1, non-decreasing, 0..1: replaces the transfer
-                                    function on output. Copied. */
-    size_t         tone_size;  /**< 0 or >= 2 */
+    lcor_sample in_type, out_type;
+    lcor_sample map_type; /**< of illuminance and rho rows: LCOR_F32 or LCOR_F64 */
+    lcor_layout in_layout, out_layout;
+    const float *tone_curve; /**< NULL, or tone_size values of the device at equal steps of
+                                  linear 0..1, non-decreasing, 0..1: replaces the transfer
+                                  function on output. Copied. */
+    size_t tone_size;        /**< 0 or >= 2 */
     lcor_allocator allocator;
 } lcor_plan_options;
 
@@ -146,9 +146,9 @@ LCOR_API void lcor_correct_texture_row(const lcor_plan *plan, size_t row, size_t
 
 /** The conventional method for comparison: linear RGB times rho times illuminance, clipped
  *  (eq 19). Contrast, mean, reading and gamut of the plan play no part. */
-LCOR_API void lcor_conventional_row(const lcor_plan *plan, size_t row, size_t n,
-                                    const void *texels, const void *illuminance, const void *rho,
-                                    void *out, lcor_row_stats *stats);
+LCOR_API void lcor_conventional_row(const lcor_plan *plan, size_t row, size_t n, const void *texels,
+                                    const void *illuminance, const void *rho, void *out,
+                                    lcor_row_stats *stats);
 
 #ifdef __cplusplus
 }

@@ -23,8 +23,8 @@ typedef enum lcor_status {
  *  succeeds leaves it alone. */
 typedef struct lcor_error {
     lcor_status status;
-    long        where;     /**< index of the offending item or line, or -1 */
-    char        text[256]; /**< one line of English, always terminated */
+    long where;     /**< index of the offending item or line, or -1 */
+    char text[256]; /**< one line of English, always terminated */
 } lcor_error;
 
 /** Name of a status, for example "LCOR_ERR_DOMAIN"; "LCOR_ERR_UNKNOWN" for other numbers.

@@ -8,9 +8,9 @@
 int main(void)
 {
     lcor_plan_options options;
-    lcor_plan        *plan = NULL;
-    lcor_error        error;
-    float             pixel[3] = {0.5f, 0.5f, 0.5f}, illuminance = 1.0f;
+    lcor_plan *plan = NULL;
+    lcor_error error;
+    float pixel[3] = {0.5f, 0.5f, 0.5f}, illuminance = 1.0f;
 
     memset(&options, 0, sizeof options);
     options.struct_size = sizeof options;
