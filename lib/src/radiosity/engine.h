@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT */
+/* What an engine gives the solver's face, and what it gets from there. */
+#ifndef LCOR_RADIOSITY_ENGINE_H
+#define LCOR_RADIOSITY_ENGINE_H
+
+#include "radiosity/direct.h"
+
+#include <lcor/radiosity.h>
+
+#include <time.h>
+
+/* An engine's calls get the solution, whose `state` is the engine's own. Indirect irradiance is
+ * added to `total`, which holds the direct one. */
+typedef struct engine {
+    lcor_engine id;
+    size_t points_per_task, patches_per_task;
+    lcor_status (*prepare)(lcor_solution *s, lcor_error *err);
+    void (*release)(lcor_solution *s); /* after prepare, even one that failed */
+    /* Solves to options.tolerance and fills the report; again after each relight. */
+    lcor_status (*solve)(lcor_solution *s, lcor_error *err);
+    lcor_status (*relight)(lcor_solution *s, lcor_error *err); /* lights or looks have changed */
+    /* Patches first..first+count-1 of a surface, of a quad whole rows. */
+    void (*patches)(const lcor_solution *s, size_t surface, lcor_value value, size_t first,
+                    size_t count, double *total);
+    void (*point)(const lcor_solution *s, const double x[3], const double normal[3], double *total);
+} engine;
+
+struct lcor_solution {
+    lcor_allocator allocator;
+    const lcor_scene *scene;
+    lcor_radiosity_options options;
+    lcor_radiosity_report report;
+    light_set lights;
+    const engine *engine;
+    void *state;
+    clock_t start;
+    double done; /* last progress reported */
+};
+
+extern const engine engine_links;
+
+/* Whether max_seconds have passed, or `bytes` are more than max_bytes. */
+int engine_over_limit(const lcor_solution *s, uint64_t bytes);
+
+/* Reports progress, never less than before; returns nonzero if the caller wants to stop. */
+int engine_progress(lcor_solution *s, double done);
+
+/* Through the caller's threads. */
+void engine_run(const lcor_solution *s, size_t n, void (*task)(void *arg, size_t i), void *arg);
+
+#endif

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT */
+/* Engine `links` behind the solver's face: the tolerance loop and its limits. */
+#include "base/internal.h"
+#include "radiosity/engine.h"
+#include "radiosity/evaluate.h"
+#include "radiosity/links.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { ROUNDS_MAX = 12, ITERATIONS_MAX = 50 };
+
+/* Every face is a candidate sender of every other one. */
+static const size_t faces_max = 2000;
+
+/* Parts of the tolerance: what one link may err (of a tolerance of 1 %, and less of a smaller one),
+ * what the near field and the solver may. */
+static const double link_share = 1, near_share = 1, solver_share = 0.01;
+
+/* What a round that missed may change at most and at least. */
+static const double tighten_most = 0.1, tighten_least = 0.6;
+
+/* How much worse than the worst of the sampled points the worst patch may be. */
+static const double unseen = 2;
+
+static uint64_t bytes_held(const links *l)
+{
+    return l->faces.capacity * sizeof(face) + l->elements.capacity * sizeof(links_element) +
+           l->list.capacity * sizeof(links_link) + l->blocks.capacity * sizeof(links_block) +
+           (l->occluders.capacity + l->scratch.capacity) * sizeof(uint32_t) +
+           (l->irradiance.capacity + l->radiosity.capacity + l->source.capacity) * sizeof(double) *
+               RULE_Q * (size_t)l->channels +
+           l->krylov.capacity * sizeof(double);
+}
+
+static double wanted_error(const lcor_solution *s, const links_errors *e)
+{
+    return s->options.norm == LCOR_NORM_MAX ? unseen * e->max : e->rms;
+}
+
+static size_t sample_count(const lcor_solution *s)
+{
+    if (s->options.norm == LCOR_NORM_MAX)
+        return 512;
+    return s->options.tolerance >= 5e-3 ? 64 : 256;
+}
+
+/* Reports progress, a little more each time as the end is not known; minds the limits. */
+static void poll(links *l)
+{
+    lcor_solution *s = (lcor_solution *)l->poll_arg;
+    const uint64_t wanted = (l->list.count - l->blocks.count) * sizeof(links_block);
+
+    l->hurry |= engine_over_limit(s, bytes_held(l) + wanted);
+    l->cancelled |= engine_progress(s, s->done + 0.002 * (1 - s->done));
+}
+
+static lcor_status prepare(lcor_solution *s, lcor_error *err)
+{
+    links *l = lcor_internal_alloc(&s->allocator, sizeof *l);
+
+    s->state = l;
+    if (!l)
+        return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "radiosity: no memory for elements");
+    memset(l, 0, sizeof *l);
+    l->scene = s->scene;
+    l->allocator = s->allocator;
+    l->parallel = s->options.parallel;
+    l->share_power = s->options.norm == LCOR_NORM_RMS ? 0.5 : 0;
+    l->lights = &s->lights;
+    l->channels = s->report.channels;
+    l->poll = poll;
+    l->poll_arg = s;
+    if (!links_init(l))
+        return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "radiosity: no memory for elements");
+    if (l->faces.count > faces_max)
+        return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1,
+                                  "radiosity: %lu faces are too many for engine links (%lu)",
+                                  (unsigned long)l->faces.count, (unsigned long)faces_max);
+    return LCOR_OK;
+}
+
+static void release(lcor_solution *s)
+{
+    if (s->state)
+        links_clear((links *)s->state);
+    lcor_internal_free(&s->allocator, s->state);
+    s->state = NULL;
+}
+
+static void describe(lcor_solution *s)
+{
+    const lcor_scene *scene = s->scene;
+    const links *l = (const links *)s->state;
+    size_t open = 0, partial = 0;
+
+    for (size_t i = 0; i < scene->lights.count; i++)
+        open += s->lights.open[i];
+    for (size_t i = 0; i < l->list.count; i++)
+        partial += ((const links_link *)l->list.items)[i].occluder_count > 0;
+    (void)snprintf(s->report.models, sizeof s->report.models,
+                   "links of order %d; %s; %lu of %lu links clipped; shadows of %lu of %lu lights; "
+                   "%d channel%s",
+                   RULE_P, scene->convex ? "convex, no visibility tests" : "exact visibility",
+                   (unsigned long)partial, (unsigned long)l->list.count,
+                   (unsigned long)(scene->lights.count - open), (unsigned long)scene->lights.count,
+                   s->report.channels, s->report.channels == 1 ? "" : "s");
+}
+
+/* Refine, solve, measure; tighten until the estimate is within the tolerance. */
+static lcor_status solve(lcor_solution *s, lcor_error *err)
+{
+    const double tolerance = s->options.tolerance;
+    links *l = (links *)s->state;
+
+    l->eps = link_share * tolerance * pow(tolerance / 0.01, 0.3);
+    l->accuracy = near_share * tolerance;
+    l->finest = 1;
+    l->hurry = l->cancelled = 0;
+    for (int round = 0; round < ROUNDS_MAX; round++) {
+        links_errors errors;
+
+        if (!links_refine(l) || !links_fill(l))
+            goto stopped;
+        links_set_source(l);
+        if (!links_solve(l, solver_share * tolerance, ITERATIONS_MAX) ||
+            !links_estimate(l, sample_count(s), &errors))
+            goto stopped;
+        s->report.error_rms = errors.rms;
+        s->report.error_max = errors.max;
+        s->report.energy_defect = l->energy_defect;
+        s->report.iterations = l->iterations;
+        s->report.links = l->list.count;
+        s->report.elements = l->elements.count;
+        if (bytes_held(l) > s->report.bytes)
+            s->report.bytes = bytes_held(l);
+        s->report.converged = wanted_error(s, &errors) <= tolerance;
+        if (s->report.converged || l->hurry)
+            break;
+        l->eps *=
+            fmax(tighten_most, fmin(tighten_least, 0.7 * tolerance / wanted_error(s, &errors)));
+        l->finest *= 0.5;
+    }
+    describe(s);
+    return LCOR_OK;
+
+stopped:
+    if (l->cancelled)
+        return lcor_internal_fail(err, LCOR_ERR_CANCELLED, -1, "radiosity: cancelled");
+    return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "radiosity: no memory for the links");
+}
+
+static lcor_status relight(lcor_solution *s, lcor_error *err)
+{
+    return links_relight((links *)s->state)
+               ? LCOR_OK
+               : lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "update: no memory");
+}
+
+static void patches(const lcor_solution *s, size_t surface, lcor_value value, size_t first,
+                    size_t count, double *total)
+{
+    links_patches((const links *)s->state, surface, value, first, count, total);
+}
+
+static void point(const lcor_solution *s, const double x[3], const double normal[3], double *total)
+{
+    const links *l = (const links *)s->state;
+    double indirect[3];
+
+    links_point(l, x, normal, l->accuracy, indirect);
+    for (int c = 0; c < l->channels; c++)
+        total[c] += indirect[c];
+}
+
+const engine engine_links = {LCOR_ENGINE_LINKS, 64,      512,  prepare, release, solve,
+                             relight,           patches, point};
