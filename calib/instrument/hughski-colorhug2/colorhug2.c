@@ -78,6 +78,13 @@ static cal_status fail_code(instrument *in, int code, cal_error *err)
     }
 }
 
+/* The next report into the buffer: that one alone, also where reports are queued on a stream. */
+static cal_status next_report(instrument *in, int timeout_ms)
+{
+    in->have = 0;
+    return in->port->ops->read(in->port, in->buffer, REPORT, &in->have, timeout_ms);
+}
+
 /* One request and its answer, left in the buffer. An answer that echoes another command is left
  * over from before and dropped; an incomplete request is sent once more. */
 static cal_status ask(instrument *in, uint8_t command, const uint8_t *arguments, size_t n,
@@ -88,17 +95,14 @@ static cal_status ask(instrument *in, uint8_t command, const uint8_t *arguments,
         memcpy(request + 2, arguments, n);
     for (int attempt = 0;; attempt++) {
         cal_status result = CAL_OK;
-        for (int i = 0; result == CAL_OK && i < STALE_LIMIT; i++) {
-            in->have = 0;
-            result = instrument_fill(in, 0);
-        }
+        for (int i = 0; result == CAL_OK && i < STALE_LIMIT; i++)
+            result = next_report(in, 0);
         if (result == CAL_TIMEOUT)
             result = in->port->ops->write(in->port, request, sizeof request, ASK_MS);
         const int64_t deadline = in->port->ops->now_ms(in->port) + timeout_ms;
         bool answered = false;
         while (result == CAL_OK && !answered) {
-            in->have = 0;
-            result = instrument_fill(in, transport_left(in->port, deadline));
+            result = next_report(in, transport_left(in->port, deadline));
             answered = result == CAL_OK && in->have >= HEADER && in->buffer[1] == command;
             in->noise += result == CAL_OK && !answered;
         }

@@ -107,7 +107,6 @@ class MockedUsb:
                 continue
             for report in self.instrument.exchange(request[1:]):
                 os.write(self.fd, report)
-                time.sleep(0.005)  # the node is a stream: reports too close together would merge
             if "unplug" in self.faults and self.instrument.readings == 3:
                 os.close(self.fd)
                 return
