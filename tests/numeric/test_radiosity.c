@@ -199,6 +199,36 @@ static void points_in_space_are_gathered(void **state)
     lcor_scene_free(scene);
 }
 
+static void normals_of_any_length_are_taken_and_nonsense_is_refused(void **state)
+{
+    const double points[6] = {0.5, 0.5, 0, 0.5, 0.5, 0}, normals[6] = {0, 0, 1, 0, 0, 1e-200};
+    double total[2] = {-1, -1};
+    lcor_scene *scene = paper_room(2);
+    lcor_solution *solution;
+    lcor_error err;
+
+    (void)state;
+    commit(scene);
+    solution = solve(scene, 0.05, LCOR_NORM_RMS);
+    must(lcor_solution_at(solution, 2, points, normals, total, NULL, &err), &err);
+    assert_true(total[0] > 0 && total[0] == total[1]);
+    for (int k = 0; k < 6; k++) {
+        const double bad[3] = {NAN, INFINITY, -INFINITY};
+        double p[6], n[6];
+
+        memcpy(p, points, sizeof p);
+        memcpy(n, normals, sizeof n);
+        (k < 3 ? p : n)[3 + k % 3] = bad[k % 3];
+        assert_int_equal(lcor_solution_at(solution, 2, p, n, total, NULL, &err), LCOR_ERR_DOMAIN);
+        assert_int_equal(err.where, 1);
+    }
+    assert_int_equal(lcor_solution_at(solution, 2, points, (double[6]){0, 0, 1}, total, NULL, &err),
+                     LCOR_ERR_DOMAIN);
+    assert_non_null(strstr(err.text, "normal 1 has no direction"));
+    lcor_solution_free(solution);
+    lcor_scene_free(scene);
+}
+
 /* Direct averages next to a shadow's edge are areas, not samples: a fine grid's mean is the coarse
  * grid's value. */
 static void shadow_edges_are_exact_in_averages(void **state)
@@ -240,6 +270,7 @@ int main(void)
         cmocka_unit_test(occlusion_agrees_with_path_tracing),
         cmocka_unit_test(points_agree_with_patch_centres),
         cmocka_unit_test(points_in_space_are_gathered),
+        cmocka_unit_test(normals_of_any_length_are_taken_and_nonsense_is_refused),
         cmocka_unit_test(shadow_edges_are_exact_in_averages),
     };
 

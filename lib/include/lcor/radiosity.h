@@ -92,8 +92,10 @@ LCOR_API lcor_status lcor_solution_patches(const lcor_solution *solution, size_t
                                            lcor_value value, double *total, double *direct,
                                            lcor_error *err);
 
-/** Irradiance at n points with unit normals (3 numbers each): direct is exact with its shadows.
- *  Points on a surface belong to the side their normal is on. n * report.channels values. */
+/** Irradiance at n points with normals of any length (3 numbers each): direct is exact with its
+ *  shadows. Points on a surface belong to the side their normal is on. n * report.channels values.
+ *
+ *  Errors: LCOR_ERR_DOMAIN names the first point that is not finite or normal without direction. */
 LCOR_API lcor_status lcor_solution_at(const lcor_solution *solution, size_t n, const double *points,
                                       const double *normals, double *total, double *direct,
                                       lcor_error *err);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The face of the solver: options, choice of the engine, evaluation, report. */
 #include "base/internal.h"
+#include "geometry/vec.h"
 #include "radiosity/engine.h"
 #include "radiosity/patch_light.h"
 
@@ -240,6 +241,24 @@ typedef struct point_job {
     double *total, *direct;
 } point_job;
 
+/* An engine takes finite numbers only, and a direction from a normal. */
+static lcor_status check_places(size_t n, const double *points, const double *normals,
+                                lcor_error *err)
+{
+    for (size_t i = 0; i < n; i++) {
+        const double *x = points + 3 * i, *d = normals + 3 * i;
+
+        if (!isfinite(x[0]) || !isfinite(x[1]) || !isfinite(x[2]))
+            return lcor_internal_fail(err, LCOR_ERR_DOMAIN, (long)i, "at: point %lu is not finite",
+                                      (unsigned long)i);
+        if (!isfinite(d[0]) || !isfinite(d[1]) || !isfinite(d[2]) ||
+            !(d[0] != 0 || d[1] != 0 || d[2] != 0))
+            return lcor_internal_fail(err, LCOR_ERR_DOMAIN, (long)i,
+                                      "at: normal %lu has no direction", (unsigned long)i);
+    }
+    return LCOR_OK;
+}
+
 static void point_task(void *arg, size_t chunk)
 {
     const point_job *job = arg;
@@ -247,9 +266,11 @@ static void point_task(void *arg, size_t chunk)
     const size_t channels = (size_t)s->report.channels, step = s->engine->points_per_task;
 
     for (size_t i = chunk * step; i < job->n && i < (chunk + 1) * step; i++) {
-        const double *x = job->points + 3 * i, *normal = job->normals + 3 * i;
-        double direct[3];
+        const double *x = job->points + 3 * i;
+        double normal[3], direct[3];
 
+        vec_copy(job->normals + 3 * i, normal);
+        (void)vec_normalize(normal);
         light_at(&s->lights, x, normal, LCOR_BVH_NONE, direct);
         if (job->direct)
             memcpy(job->direct + channels * i, direct, channels * sizeof *direct);
@@ -264,11 +285,15 @@ lcor_status lcor_solution_at(const lcor_solution *s, size_t n, const double *poi
                              const double *normals, double *total, double *direct, lcor_error *err)
 {
     point_job job = {s, n, points, normals, total, direct};
+    lcor_status status;
     size_t step;
 
     if (!s || (n > 0 && (!points || !normals)))
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1,
                                   "at: solution, points or normals are NULL");
+    status = check_places(n, points, normals, err);
+    if (status != LCOR_OK)
+        return status;
     step = s->engine->points_per_task;
     engine_run(s, (n + step - 1) / step, point_task, &job);
     return LCOR_OK;
