@@ -20,7 +20,7 @@ template <Curve curve>
 static nb::object map_curve(nb::handle source, double j_mean, double j_min, double j_max,
                             double exponent)
 {
-    Array in(source, "j", Kind::real);
+    Array in(source, curve == lcor_adapt ? "j" : "h", Kind::real);
     Array out = new_array(in.shape, in.type);
     lcor_status status = LCOR_OK;
     lcor_error error = {};
@@ -172,20 +172,22 @@ void bind_adapt(nb::module_ &m)
         .value("literal", LCOR_MEAN_LITERAL);
     m.def("contrast_from_density", &contrast_from_density, "d_max"_a, "d_min"_a);
     m.def("contrast_u95", &lcor_contrast_u95, "contrast"_a, "u_d_max"_a, "u_d_min"_a);
-    m.def("adapt", &map_curve<lcor_adapt>,
+    m.def("adapt", &map_curve<lcor_adapt>, "j"_a.none(), "j_mean"_a, "j_min"_a, "j_max"_a,
+          "exponent"_a,
           nb::sig("def adapt(j: object, j_mean: float, j_min: float, j_max: float, "
                   "exponent: float) -> typing.Any"));
-    m.def("adapt_inverse", &map_curve<lcor_adapt_inverse>,
+    m.def("adapt_inverse", &map_curve<lcor_adapt_inverse>, "h"_a.none(), "j_mean"_a, "j_min"_a,
+          "j_max"_a, "exponent"_a,
           nb::sig("def adapt_inverse(h: object, j_mean: float, j_min: float, j_max: float, "
                   "exponent: float) -> typing.Any"));
     m.def("adapt_range", &adapt_range,
           nb::sig("def adapt_range(j_mean: float, j_min: float, j_max: float, "
                   "exponent: float) -> tuple[float, float]"));
-    m.def("geometric_mean", &geometric_mean, "r"_a, "weights"_a.none(), "method"_a,
+    m.def("geometric_mean", &geometric_mean, "r"_a.none(), "weights"_a.none(), "method"_a,
           nb::sig("def geometric_mean(r: object, weights: object, method: MeanMethod) -> float"));
     nb::class_<Mean>(m, "Mean")
         .def(nb::init<>())
-        .def("add", &Mean::add, "r"_a, "weights"_a.none(),
+        .def("add", &Mean::add, "r"_a.none(), "weights"_a.none(),
              nb::sig("def add(self, r: object, weights: object) -> None"))
         .def("merge", &Mean::merge, "other"_a)
         .def("get", &Mean::get, "method"_a)

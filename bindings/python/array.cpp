@@ -85,12 +85,20 @@ static std::string refusal(const char *name, nb::handle array, Kind kind)
     const std::string type = nb::str(dtype).c_str();
     const std::string number = nb::str(dtype.attr("kind")).c_str();
     const std::string what = std::string(name) + " has samples of type " + type;
-    if (kind == Kind::real || number == "f")
+    const bool native = nb::cast<bool>(dtype.attr("isnative"));
+    const auto size = nb::cast<int>(dtype.attr("itemsize"));
+    const bool known_size = number == "f" ? size == 4 || size == 8 : number == "u" && size == 2;
+    if (!native && known_size && (number == "f" || kind == Kind::colour))
+        return what + ", another machine's byte order: convert them with " + name + ".astype(" +
+               name + ".dtype.newbyteorder('='))";
+    if (number == "f" || (kind == Kind::real && (number == "i" || number == "u" || number == "b")))
         return what + ": convert them, for example " + name + ".astype(numpy.float32)";
     if (number == "i" || number == "u")
         return what + ", whose scale is not known: convert them, for example " + name +
                ".astype(numpy.uint8) if white is 255, or " + name + " / 4095 if it is 4095";
-    return what + ": pass float32, float64 (0..1), uint8 (0..255) or uint16 (0..65535)";
+    return what + (kind == Kind::colour
+                       ? ": pass float32, float64 (0..1), uint8 (0..255) or uint16 (0..65535)"
+                       : ": pass float32 or float64");
 }
 
 static bool known(const char *format, Kind kind, lcor_sample &type)
@@ -159,6 +167,8 @@ bool Array::take_numbers(nb::handle source, Kind kind)
 Array::Array(nb::handle source, const char *array_name, Kind kind) : name(array_name)
 {
     PyObject *p = source.ptr();
+    if (p == Py_None)
+        throw nb::type_error((std::string(name) + " is None: pass an array or a number").c_str());
     if (PyObject_CheckBuffer(p)) {
         acquire(source, kind, false);
         return;

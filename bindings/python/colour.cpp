@@ -127,10 +127,12 @@ void bind_colour(nb::module_ &m)
     nb::class_<Colour>(m, "Colour")
         .def_static("make", &make_colour, "primaries"_a, "matrix"_a.none(), "transfer"_a, "gamma"_a,
                     "lightness"_a);
-    m.def("rgb_to_lab", &convert_colours<true>, "rgb"_a, "colour"_a, "out"_a.none(),
+    m.def("rgb_to_lab", &convert_colours<true>, "rgb"_a.none(), "colour"_a, "out"_a.none(),
           nb::sig("def rgb_to_lab(rgb: object, colour: Colour, out: object) -> typing.Any"));
-    m.def("lab_to_rgb", &convert_colours<false>, "lab"_a, "colour"_a, "out"_a.none(),
+    m.def("lab_to_rgb", &convert_colours<false>, "lab"_a.none(), "colour"_a, "out"_a.none(),
           nb::sig("def lab_to_rgb(lab: object, colour: Colour, out: object) -> typing.Any"));
-    m.def("hue", &reduce_colours<lcor_hue>, nb::sig("def hue(lab: object) -> typing.Any"));
-    m.def("chroma", &reduce_colours<lcor_chroma>, nb::sig("def chroma(lab: object) -> typing.Any"));
+    m.def("hue", &reduce_colours<lcor_hue>, "lab"_a.none(),
+          nb::sig("def hue(lab: object) -> typing.Any"));
+    m.def("chroma", &reduce_colours<lcor_chroma>, "lab"_a.none(),
+          nb::sig("def chroma(lab: object) -> typing.Any"));
 }

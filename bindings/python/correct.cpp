@@ -3,6 +3,7 @@
 #include "mean.hpp"
 #include "rows.hpp"
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <mutex>
@@ -60,12 +61,23 @@ struct Picture {
             check_overlap(out, *rho, false);
     }
 
-    void broadcast(const Array &other)
+    void broadcast(const Array &map)
     {
-        if (!shape.broadcast(other.shape))
-            throw nb::value_error((std::string(other.name) + " of shape " + other.shape.text() +
-                                   " does not fit pixels of shape " + shape.text())
+        const bool channel = has_channel(map.shape);
+        if (channel || !shape.broadcast(map.shape))
+            throw nb::value_error((std::string(map.name) + " of shape " + map.shape.text() +
+                                   " does not fit pixels of shape " + rgb.shape.text() +
+                                   (channel ? std::string(": pass ") + map.name + "[..., 0]" : ""))
                                       .c_str());
+    }
+
+  private:
+    /* A map (H, W, 1) for pixels (H, W): by numpy's rules one picture a row of it when H = W. */
+    bool has_channel(const Shape &map) const
+    {
+        const Shape &pixels = rgb.shape;
+        return pixels.n >= 2 && map.n == pixels.n + 1 && map.dim[pixels.n] == 1 &&
+               std::equal(map.dim, map.dim + pixels.n, pixels.dim);
     }
 };
 
@@ -243,15 +255,16 @@ void bind_correct(nb::module_ &m)
              nb::sig("def __init__(self, contrast: float, r_mean: float, rho: float, "
                      "rho_ratio: float, exponent: float, reading: Reading, gamut: Gamut, "
                      "colour: Colour, tone_curve: object) -> None"))
-        .def("apply", &Plan::apply, "rgb"_a, "illuminance"_a, "rho"_a.none(), "out"_a.none(),
+        .def("apply", &Plan::apply, "rgb"_a.none(), "illuminance"_a.none(), "rho"_a.none(),
+             "out"_a.none(),
              nb::sig("def apply(self, rgb: object, illuminance: object, rho: object, "
                      "out: object) -> tuple[typing.Any, tuple[int, ...]]"))
-        .def("conventional", &Plan::conventional, "rgb"_a, "illuminance"_a, "rho"_a.none(),
-             "out"_a.none(),
+        .def("conventional", &Plan::conventional, "rgb"_a.none(), "illuminance"_a.none(),
+             "rho"_a.none(), "out"_a.none(),
              nb::sig("def conventional(self, rgb: object, illuminance: object, rho: object, "
                      "out: object) -> tuple[typing.Any, tuple[int, ...]]"))
-        .def("add_to", &Plan::add_to, "mean"_a, "rgb"_a, "illuminance"_a, "rho"_a.none(),
-             "weights"_a.none(),
+        .def("add_to", &Plan::add_to, "mean"_a, "rgb"_a.none(), "illuminance"_a.none(),
+             "rho"_a.none(), "weights"_a.none(),
              nb::sig("def add_to(self, mean: Mean, rgb: object, illuminance: object, rho: object, "
                      "weights: object) -> None"));
 }

@@ -11,6 +11,8 @@ static std::unique_ptr<Solution> solve(const Scene &scene, double tolerance, lco
                                        lcor_engine engine, int channels, double max_seconds,
                                        uint64_t max_bytes, int threads, nb::handle callback)
 {
+    if (tolerance == 0) /* the C options read 0 as the default */
+        throw nb::value_error("tolerance must be 1e-5 .. 1");
     auto solution = std::make_unique<Solution>(scene, threads, callback);
     lcor_radiosity_options options = {};
     options.struct_size = sizeof options;
@@ -142,7 +144,7 @@ void bind_radiosity(nb::module_ &m)
         .def("report", &report, nb::sig("def report(self) -> dict[str, typing.Any]"))
         .def("patches", &patches,
              nb::sig("def patches(self, surface: int, value: Value, direct: bool) -> typing.Any"))
-        .def("at", &at,
+        .def("at", &at, "points"_a.none(), "normals"_a.none(), "direct"_a,
              nb::sig("def at(self, points: object, normals: object, direct: bool) -> typing.Any"));
     m.def("solve", &solve, "scene"_a, "tolerance"_a, "norm"_a, "engine"_a, "channels"_a,
           "max_seconds"_a, "max_bytes"_a, "threads"_a, "progress"_a.none(),

@@ -147,9 +147,17 @@ static void commit(Scene &self)
 {
     if (self.handle->committed)
         return;
+    const InUse in_use(self.handle->users);
     lcor_error error = {};
-    check(lcor_scene_commit(writable(self), nullptr, &error), error);
-    self.handle->committed = true;
+    lcor_status status = LCOR_OK;
+    {
+        nb::gil_scoped_release nogil;
+        const std::lock_guard<std::mutex> lock(self.handle->committing);
+        if (!self.handle->committed)
+            status = lcor_scene_commit(self.handle->scene, nullptr, &error);
+        self.handle->committed = status == LCOR_OK;
+    }
+    check(status, error);
 }
 
 static nb::tuple patches(const Scene &self, size_t surface)
@@ -164,10 +172,15 @@ static nb::tuple patches(const Scene &self, size_t surface)
     triples.dim[triples.n++] = 3;
     Array centres = new_array(triples, LCOR_F64), areas = new_array(list, LCOR_F64);
     Vec3 normal;
-    check(lcor_scene_patch_geometry(self.handle->scene, surface,
-                                    reinterpret_cast<double *>(centres.data),
-                                    reinterpret_cast<double *>(areas.data), normal.data(), &error),
-          error);
+    const InUse in_use(self.handle->users);
+    lcor_status status;
+    {
+        nb::gil_scoped_release nogil;
+        status = lcor_scene_patch_geometry(
+            self.handle->scene, surface, reinterpret_cast<double *>(centres.data),
+            reinterpret_cast<double *>(areas.data), normal.data(), &error);
+    }
+    check(status, error);
     return nb::make_tuple(centres.object, areas.object, nb::cast(normal));
 }
 
@@ -196,7 +209,7 @@ void bind_scene(nb::module_ &m)
         .def("add_light", &add_light)
         .def("set_light", &set_light)
         .def("commit", &commit)
-        .def_prop_ro("committed", [](const Scene &self) { return self.handle->committed; })
+        .def_prop_ro("committed", [](const Scene &self) { return self.handle->committed.load(); })
         .def_prop_ro("surface_count",
                      [](const Scene &self) { return lcor_scene_surface_count(self.handle->scene); })
         .def_prop_ro("light_count",

@@ -5,7 +5,9 @@
 #include "array.hpp"
 
 #include <array>
+#include <atomic>
 #include <memory>
+#include <mutex>
 #include <optional>
 
 using Vec3 = std::array<double, 3>;
@@ -13,7 +15,8 @@ using Vec3 = std::array<double, 3>;
 /* A scene, shared by its solutions and views. */
 struct SceneHandle {
     lcor_scene *scene = nullptr;
-    bool committed = false;
+    std::atomic<bool> committed{false};
+    std::mutex committing;
     int users = 0; /* calls without the GIL that read it; changed with the GIL only */
 
     SceneHandle();
@@ -43,7 +46,11 @@ struct Scene {
 class Threads
 {
   public:
-    explicit Threads(int count) : count_(count) {}
+    explicit Threads(int count) : count_(count)
+    {
+        if (count < 1)
+            throw nb::value_error("threads must be at least 1");
+    }
     lcor_parallel parallel();
 
   private:

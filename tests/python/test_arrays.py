@@ -139,7 +139,9 @@ def test_empty_pictures(shape):
         (np.uint32, r"rgb / 4095"),
         (np.float16, r"rgb\.astype\(numpy\.float32\)"),
         (np.longdouble, r"rgb\.astype\(numpy\.float32\)"),
-        (">f4", r"rgb\.astype\(numpy\.float32\)"),
+        (">f4", r"byte order: .*rgb\.astype\(rgb\.dtype\.newbyteorder\('='\)\)"),
+        (">u2", r"byte order: .*rgb\.astype\(rgb\.dtype\.newbyteorder\('='\)\)"),
+        (">i4", r"rgb / 4095"),
         (bool, "pass float32, float64"),
         (complex, "pass float32, float64"),
         (object, "pass float32, float64"),
@@ -150,6 +152,47 @@ def test_unknown_types_are_refused_with_the_fix(dtype, fix):
     rgb = np.zeros((2, 3)).astype(dtype)
     with pytest.raises(TypeError, match=f"rgb has samples of type .*{fix}"):
         PLAN.apply(rgb, 1.0)
+
+
+def test_other_byte_orders_are_fixed_as_the_text_says(picture, light):
+    foreign = picture.astype(">f8")
+    fixed = foreign.astype(foreign.dtype.newbyteorder("="))
+    np.testing.assert_array_equal(PLAN.apply(fixed, light)[0], PLAN.apply(picture, light)[0])
+
+
+@pytest.mark.parametrize("dtype", [bool, np.int64, np.uint8, np.float16])
+def test_values_of_other_types_are_refused_with_the_fix(dtype):
+    with pytest.raises(TypeError, match=r"j\.astype\(numpy\.float32\)"):
+        lcor.adapt(np.ones(2, dtype), 1.0, 1.0, 23.4)
+
+
+@pytest.mark.parametrize(
+    "call, name",
+    [
+        (lambda: lcor.rgb_to_lab(None), "rgb"),
+        (lambda: lcor.lab_to_rgb(None), "lab"),
+        (lambda: lcor.hue(None), "lab"),
+        (lambda: lcor.adapt(None, 1, 1, 2), "j"),
+        (lambda: lcor.adapt_inverse(None, 1, 1, 2), "h"),
+        (lambda: lcor.geometric_mean(None), "r"),
+        (lambda: PLAN.apply(None, 1.0), "rgb"),
+        (lambda: PLAN.apply([0.5] * 3, None), "illuminance"),
+    ],
+)
+def test_nothing_is_refused_by_name(call, name):
+    with pytest.raises(TypeError, match=f"^{name} is None"):
+        call()
+
+
+def test_a_channel_axis_left_on_a_map_is_refused(picture):
+    square = picture[:, :6]
+    with pytest.raises(ValueError, match=r"shape \(6, 6, 1\) .*illuminance\[\.\.\., 0\]"):
+        PLAN.apply(square, np.ones((6, 6, 1)))
+    with pytest.raises(ValueError, match=r"pass rho\[\.\.\., 0\]"):
+        PLAN.apply(picture, 1.0, np.ones((6, 8, 1)))
+    outer = PLAN.apply(picture[0], np.linspace(0.1, 1, 8)[:, None])[0]  # each colour in each light
+    assert outer.shape == (8, 8, 3)
+    assert PLAN.apply(square, np.ones((2, 1, 1)))[0].shape == (2, 6, 6, 3)
 
 
 def test_integers_in_lists_are_refused_with_the_fix():
@@ -172,6 +215,8 @@ def test_integer_maps_are_refused_with_the_fix(picture):
         (lambda p: PLAN.apply(p, 1.0, out=p[:2]), ValueError, r"out has shape \(2, 8, 3\)"),
         (lambda p: PLAN.apply(p, 1.0, out=np.zeros((6, 8, 3), int)), TypeError, "out has samples"),
         (lambda p: PLAN.apply(p, 1.0, out=p[:, ::-1]), ValueError, "out shares memory with rgb"),
+        (lambda p: PLAN.apply(p[1:], 1.0, out=p[:-1]), ValueError, "out shares memory with rgb"),
+        (lambda p: PLAN.apply(np.zeros(3), 1.0, out=p), ValueError, "the result has"),
         (lambda p: PLAN.apply(p, p[..., 0], out=p), ValueError, "out shares memory with illum"),
     ],
 )

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: MIT
+import copy
 import math
 import pickle
 import threading
@@ -116,6 +117,28 @@ def test_plans_refuse_what_lies_outside_the_model(options, text):
         lcor.Plan(**{"contrast": 23.4, "r_mean": 0.5, **options})
 
 
+@pytest.mark.parametrize("name", ["contrast", "r_mean", "rho", "exponent", "rho_ratio"])
+@pytest.mark.parametrize("value", [None, "0.5", [0.5], np.full((2, 2), 0.5)], ids=str)
+def test_plans_take_numbers(name, value):
+    with pytest.raises(TypeError, match=f"{name} must be a number"):
+        lcor.Plan(**{"contrast": 23.4, "r_mean": 0.5, name: value})
+
+
+def test_numbers_of_numpy_are_numbers():
+    plan = lcor.Plan(np.float32(24.0), np.array(0.5), np.float64(0.25), transfer=np.float32(2.0))
+    same = lcor.Plan(24, 0.5, 0.25, transfer=2)
+    colour, light = [0.5, 0.25, 0.125], [0.5, 1.0]
+    np.testing.assert_array_equal(plan.apply(colour, light)[0], same.apply(colour, light)[0])
+
+
+def test_eq_19_takes_any_reflectance():
+    colour, light = [0.5, 0.25, 0.125], [0.5, 2.0]
+    assert (lcor.conventional(colour, light, 0.0) == 0).all()
+    np.testing.assert_array_equal(
+        lcor.conventional(colour, light, 0.5), lcor.conventional(colour, light, np.full(2, 0.5))
+    )
+
+
 def test_infinite_contrast_is_a_device_with_perfect_black():
     out, _ = lcor.Plan(math.inf, 0.5).apply([0.5, 0.5, 0.5], 1.0)
     np.testing.assert_allclose(out, 0.5, atol=1e-12)
@@ -134,6 +157,16 @@ def test_plans_travel(random):
         pickle.loads(pickle.dumps(plan)).apply(rgb, light)[0], plan.apply(rgb, light)[0]
     )
     assert "contrast=23.4" in repr(plan)
+
+
+def test_plans_are_copied_with_their_kind_and_cannot_change():
+    class Own(lcor.Plan):
+        """A user's."""
+
+    for plan in (copy.copy(Own(23.4, 0.5)), copy.deepcopy(Own(23.4, 0.5))):
+        assert type(plan) is Own and plan.options["r_mean"] == 0.5
+    with pytest.raises(AttributeError):
+        lcor.Plan(23.4, 0.5).contrast = 10.0
 
 
 def test_threads_share_a_plan_and_the_bytes_stay(random):

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT
+import copy
 import os
+import pickle
 
 import lcor
 import pytest
@@ -33,6 +35,11 @@ def test_text_comes_back_the_same(profile, tmp_path):
     assert again.readings[0].rgb == (255, 255, 255) and again.readings[0].name == "white"
     assert again.readings[0].xyz is None and not again.readings[0].rejected
     assert os.listdir(tmp_path) == ["printer.cgats"]
+
+
+def test_profiles_travel(profile):
+    for again in (pickle.loads(pickle.dumps(profile)), copy.deepcopy(profile)):
+        assert again.format() == profile.format() and again.black == profile.black
 
 
 def test_a_failed_save_leaves_the_old_file(profile, tmp_path):

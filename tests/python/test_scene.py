@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: MIT
+import copy
 import csv
 import math
+import pickle
+import threading
 import warnings
 
 import lcor
@@ -156,11 +159,74 @@ def test_bad_questions_are_refused():
         lcor.solve_radiosity(scene, tolerance=2.0)
     with pytest.raises(ValueError, match='norm must be "rms" or "max"'):
         lcor.solve_radiosity(scene, norm="mean")
+    with pytest.raises(ValueError, match="tolerance"):
+        lcor.solve_radiosity(scene, tolerance=0)
+    with pytest.raises(TypeError, match="tolerance must be a number"):
+        lcor.solve_radiosity(scene, tolerance="1e-2")
+    with pytest.raises(ValueError, match="threads"):
+        lcor.solve_radiosity(scene, threads=0)
+    with pytest.raises(ValueError, match="max_bytes"):
+        lcor.solve_radiosity(scene, max_bytes=-1)
     solution = lcor.solve_radiosity(scene)
-    with pytest.raises(ValueError):
-        solution.irradiance(17)
+    for missing in (17, -1):
+        with pytest.raises(ValueError, match=f"surface {missing}: the scene has 6"):
+            solution.irradiance(missing)
+    with pytest.raises(TypeError, match="surface must be a whole number"):
+        solution.irradiance(0.0)
+    with pytest.raises(ValueError, match="surface 6"):
+        scene.set_surface(6, 0.5)
+    with pytest.raises(ValueError, match="light 1: the scene has 1"):
+        scene.set_light(1, scene.point_light((0, 0, 1)))
     with pytest.raises(ValueError, match="kind must be"):
         solution.irradiance(0, "corner")
+
+
+def test_normals_of_any_length_are_taken_and_nonsense_is_refused():
+    solution = lcor.solve_radiosity(room())
+    point = [0.5, 0.5, 0.0]
+    assert solution.at(point, [0, 0, 2.5]) == solution.at(point, [0, 0, 1])
+    assert solution.at(np.zeros((0, 3)), point).shape == (0,)
+    for bad in (math.nan, math.inf):
+        with pytest.raises(ValueError, match="point 1 is not finite"):
+            solution.at([point, [0.5, bad, 0.5]], [0, 0, 1.0])
+        with pytest.raises(ValueError, match="normal 0 has no direction"):
+            solution.at(point, [0, 0, bad])
+    with pytest.raises(ValueError, match="normal 0 has no direction"):
+        solution.at(point, [0, 0, 0.0])
+    with pytest.raises(ValueError, match=r"normals for \(2,\) places do not fit points for \(3,\)"):
+        solution.at(np.zeros((3, 3)), np.ones((2, 3)))
+
+
+def test_patches_are_one_number_or_two():
+    scene = lcor.Scene()
+    quad, triangle = ((0, 0, 0), (1, 0, 0), (0, 1, 0)), ((0, 0, 1), (1, 0, 1), (0, 1, 1))
+    grids = {3: (3, 3), (2, 5): (2, 5)}
+    quads = {scene.add_quad(*quad, patches=given): grid for given, grid in grids.items()}
+    quads[scene.add_quad(*quad, patches=np.array([4, 1]))] = (4, 1)
+    triangles = [scene.add_triangle(*triangle, patches=given) for given in (3, (3, 3))]
+    assert {surface: scene.patches(surface).areas.shape for surface in quads} == quads
+    assert [scene.patches(surface).areas.shape for surface in triangles] == [(9,), (9,)]
+    for bad in ((0, 1), -1, 2.0, (1, 2, 3), "ab", None):
+        with pytest.raises(ValueError, match="patches"):
+            lcor.Scene().add_quad((0, 0, 0), (1, 0, 0), (0, 1, 0), patches=bad)
+    with pytest.raises(ValueError, match="of a triangle is one number"):
+        lcor.Scene().add_triangle((0, 0, 0), (1, 0, 0), (0, 1, 0), patches=(2, 3))
+
+
+def test_scenes_stay_where_they_are():
+    for call in (copy.copy, copy.deepcopy, pickle.dumps):
+        with pytest.raises(TypeError, match="build it again"):
+            call(room())
+
+
+def test_threads_may_commit_one_scene_together():
+    scene = room(6)
+    threads = [threading.Thread(target=scene.commit) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert scene.patches(0).areas.shape == (6, 6)
 
 
 def test_progress_can_cancel_and_raise():

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._adapt import Mean
-from ._names import GAMUTS, READINGS, Space, Transfer, choice, colour, split_rho
+from ._names import GAMUTS, READINGS, Space, Transfer, choice, colour, number, split_rho
 
 
 class Stats(NamedTuple):
@@ -83,6 +83,8 @@ class Plan:
     array([0.5, 0.5, 0.5])
     """
 
+    __slots__ = ("_core", "_options")
+
     def __init__(
         self,
         contrast: float,
@@ -112,11 +114,11 @@ class Plan:
             "tone_curve": tone_curve,
         }
         self._core = _core.Plan(
-            contrast,
-            r_mean,
-            rho,
-            rho_ratio,
-            exponent,
+            number("contrast", contrast),
+            number("r_mean", r_mean),
+            number("rho", rho),
+            number("rho_ratio", rho_ratio),
+            number("exponent", exponent),
             choice("reading", reading, READINGS),
             choice("gamut", gamut, GAMUTS),
             colour(space, transfer, lightness),
@@ -174,15 +176,15 @@ class Plan:
         return _result(self._core.apply(rgb, illuminance, rho, out))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuild, (self._options,)
+        return _rebuild, (type(self), self._options)
 
     def __repr__(self) -> str:
         words = ", ".join(f"{k}={v!r}" for k, v in self._options.items() if v is not None)
         return f"lcor.Plan({words})"
 
 
-def _rebuild(options: dict[str, Any]) -> Plan:
-    return Plan(**options)
+def _rebuild(kind: type[Plan], options: dict[str, Any]) -> Plan:
+    return kind(**options)
 
 
 def picture_mean(
@@ -210,7 +212,8 @@ def picture_mean(
     Returns
     -------
     float
-        r_mean for :class:`Plan`.
+        r_mean for :class:`Plan`. Pixels of NaN, infinite or negative input count as black, as they
+        are shown.
 
     Raises
     ------
@@ -306,11 +309,11 @@ def correct(
             space=space,
             transfer=transfer,
         )
-    number, values = split_rho(rho)
+    plan_rho, values = split_rho(rho)
     plan = Plan(
         contrast,
         r_mean,
-        number,
+        plan_rho,
         reading,
         exponent,
         gamut,
@@ -356,6 +359,5 @@ def conventional(
     array([[0.45, 0.1 , 0.3 ],
            [1.  , 0.4 , 1.  ]])
     """
-    number, values = split_rho(rho)
-    plan = Plan(2.0, 1.0, number, space=space, transfer=transfer)
-    return _result(plan._core.conventional(texture, illuminance, values, out))[0]
+    plan = Plan(2.0, 1.0, space=space, transfer=transfer)
+    return _result(plan._core.conventional(texture, illuminance, rho, out))[0]

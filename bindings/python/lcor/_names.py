@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
+from numbers import Real
+from operator import index as integer
 from typing import Any, TypeVar, Union
 
 import numpy as np
@@ -43,7 +45,7 @@ def _make(space: Space, transfer: Transfer, lightness: str) -> _core.Colour:
     else:
         primaries, matrix = _core.Primaries.custom, np.asarray(space, np.float64)
     kind, gamma = _core.Transfer.gamma, 1.0
-    if isinstance(transfer, (int, float)):
+    if isinstance(transfer, Real):
         gamma = float(transfer)
     else:
         kind = choice("transfer", transfer, _TRANSFERS, " or a number, the gamma")
@@ -56,9 +58,46 @@ _make_once = lru_cache(maxsize=64)(_make)
 
 def colour(space: Space, transfer: Transfer, lightness: str) -> _core.Colour:
     """The colour space of these words; the same object each time for the built-in ones."""
-    if isinstance(space, str):
+    if isinstance(space, str) and isinstance(transfer, (str, Real)):
         return _make_once(space, transfer, lightness)
     return _make(space, transfer, lightness)
+
+
+def number(what: str, value: Any) -> float:
+    """One number, not an array of them."""
+    if np.ndim(value) != 0 or not hasattr(value, "__float__"):
+        raise TypeError(f"{what} must be a number, not {value!r}")
+    return float(value)
+
+
+def item(what: str, value: Any, count: int) -> int:
+    """The number of one of `count` things."""
+    try:
+        found = integer(value)
+    except TypeError:
+        raise TypeError(f"{what} must be a whole number, not {value!r}") from None
+    if not 0 <= found < count:
+        raise ValueError(f"{what} {found}: the scene has {count}, numbered from 0")
+    return found
+
+
+def grid(value: Any) -> tuple[int, int]:
+    """How many patches along u and v: two numbers, or one for both."""
+    try:
+        nu, nv = map(integer, (value, value) if np.ndim(value) == 0 else value)
+    except (TypeError, ValueError):
+        raise ValueError(f"patches takes one or two whole numbers, not {value!r}") from None
+    if min(nu, nv) < 1:
+        raise ValueError(f"patches must be at least 1 along each edge, not {value!r}")
+    return nu, nv
+
+
+def side(value: Any) -> int:
+    """How many patches along each side of a triangle."""
+    n, other = grid(value)
+    if n != other:
+        raise ValueError(f"patches of a triangle is one number, not {value!r}")
+    return n
 
 
 def triple(what: str, value: Any) -> tuple[float, float, float]:
@@ -70,7 +109,7 @@ def triple(what: str, value: Any) -> tuple[float, float, float]:
 def numbers(what: str, value: Iterable[float], count: int) -> tuple[float, ...]:
     """So many numbers from any sequence or array."""
     try:
-        result = tuple(float(v) for v in value)
+        result = tuple(number(what, v) for v in value)
     except TypeError:
         result = ()
     if len(result) != count:
@@ -81,7 +120,7 @@ def numbers(what: str, value: Iterable[float], count: int) -> tuple[float, ...]:
 def channels(what: str, value: Any) -> tuple[float, float, float]:
     """One number for all three channels, or three."""
     if np.ndim(value) == 0:
-        return (float(value),) * 3
+        return (number(what, value),) * 3
     return triple(what, value)
 
 

@@ -201,6 +201,9 @@ class Profile:
         """
         return self._core.tone_curve(n)  # type: ignore[no-any-return]
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self).parse, (self.format(), self.black)
+
     def __repr__(self) -> str:
         count = self._core.count
         return f"<lcor.Profile contrast={self.contrast:.4g} of {count} readings>"

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Union
 from numpy.typing import NDArray
 
 from . import _core
-from ._names import channels, triple
+from ._names import channels, grid, item, side, triple
 
 #: Three numbers: a tuple, a list or an array.
 Vector = Iterable[float]
@@ -71,7 +71,7 @@ class Scene:
         edge_v: Vector,
         reflectance: Channels = 0.5,
         emission: Channels = 0.0,
-        patches: Sequence[int] = (1, 1),
+        patches: int | Sequence[int] = (1, 1),
         two_sided: bool = False,
     ) -> int:
         """Add the parallelogram origin + s edge_u + t edge_v, facing edge_u x edge_v.
@@ -85,7 +85,8 @@ class Scene:
         emission
             Emitted flux per area (exitance) >= 0; a number or three.
         patches
-            Grid along u and v for results; it does not steer accuracy.
+            Grid along u and v for results, 1..100000 each, or one number for both; it does not
+            steer accuracy.
         two_sided
             Reflects and emits on both sides.
 
@@ -97,9 +98,10 @@ class Scene:
         Raises
         ------
         ValueError
-            Not three numbers. Shapes and ranges are judged by :meth:`commit`.
+            Not three numbers, or a patch count below 1. Shapes and ranges are judged by
+            :meth:`commit`. The scene cannot grow once it is committed.
         """
-        nu, nv = patches
+        nu, nv = grid(patches)
         id_ = self._core.add_quad(
             triple("origin", origin),
             triple("edge_u", edge_u),
@@ -128,17 +130,18 @@ class Scene:
 
         Other parameters, result and errors as for :meth:`add_quad`.
         """
+        n = side(patches)
         id_ = self._core.add_triangle(
             triple("a", a),
             triple("b", b),
             triple("c", c),
             channels("reflectance", reflectance),
             channels("emission", emission),
-            patches,
-            patches,
+            n,
+            n,
             two_sided,
         )
-        self._grids.append((patches, patches))
+        self._grids.append((n, n))
         self._shapes.append((-1,))
         return id_
 
@@ -155,15 +158,16 @@ class Scene:
         Its patches are `patches` times `patches` in each triangle of the fan from its first
         corner. Other parameters, result and errors as for :meth:`add_quad`.
         """
+        n = side(patches)
         id_ = self._core.add_polygon(
             [triple("corners", corner) for corner in corners],
             channels("reflectance", reflectance),
             channels("emission", emission),
-            patches,
-            patches,
+            n,
+            n,
             two_sided,
         )
-        self._grids.append((patches, patches))
+        self._grids.append((n, n))
         self._shapes.append((-1,))
         return id_
 
@@ -178,7 +182,8 @@ class Scene:
 
         Then call :meth:`lcor.Solution.update`. ValueError for a surface that is not there.
         """
-        nu, nv = self._grids[surface] if 0 <= surface < len(self._grids) else (1, 1)
+        surface = item("surface", surface, self.surface_count)
+        nu, nv = self._grids[surface]
         self._core.set_surface(
             surface,
             channels("reflectance", reflectance),
@@ -279,7 +284,7 @@ class Scene:
 
     def set_light(self, light: int, new: _core.Light) -> None:
         """Replace a light; allowed after a solution too, then call :meth:`lcor.Solution.update`."""
-        self._core.set_light(light, new)
+        self._core.set_light(item("light", light, self.light_count), new)
 
     def commit(self) -> None:
         """Validate everything; done by the first use if you do not.
@@ -308,6 +313,7 @@ class Scene:
         Commits the scene. ValueError for a surface that is not there.
         """
         self.commit()
+        surface = item("surface", surface, self.surface_count)
         centres, areas, normal = self._core.patches(surface)
         shape = self._shapes[surface]
         return Patches(centres.reshape(*shape, 3), areas.reshape(shape), triple("normal", normal))
@@ -320,6 +326,9 @@ class Scene:
         self.commit()
         hit = self._core.intersect(triple("origin", origin), triple("direction", direction), t_max)
         return None if hit is None else Hit(*hit)
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a Scene cannot be copied or pickled: build it again where it is needed")
 
     def __repr__(self) -> str:
         return f"<lcor.Scene of {self.surface_count} surfaces and {self.light_count} lights>"

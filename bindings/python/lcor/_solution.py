@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._errors import NotConvergedWarning
-from ._names import choice
+from ._names import choice, item, number
 from ._scene import Scene
 
 #: Called with the part done, 0..1; a true result cancels.
@@ -48,6 +48,7 @@ class Solution:
         return self._scene
 
     def _patches(self, surface: int, kind: str, direct: bool) -> NDArray[Any]:
+        surface = item("surface", surface, self._scene.surface_count)
         values = self._core.patches(surface, choice("kind", kind, _KINDS), direct)
         shape = self._scene._shapes[surface]
         return values.reshape(shape + values.shape[1:])  # type: ignore[no-any-return]
@@ -65,7 +66,8 @@ class Solution:
         Returns
         -------
         (nu, nv)
-            Index [i, j], i along edge_u; one list for triangles and polygons.
+            float64, index [i, j], i along edge_u; one list for triangles and polygons. A last
+            dimension of 3 when the solution has three channels.
 
         Raises
         ------
@@ -86,12 +88,18 @@ class Solution:
         points : (..., 3)
             Places, scene units; float32 or float64.
         normals : (..., 3)
-            Unit normals: the side that receives. Broadcasts with `points`.
+            Of any length: the side that receives. Broadcasts with `points`.
 
         Returns
         -------
         (...)
-            Irradiance.
+            float64 irradiance in the unit of the lights; (..., 3) when the solution has three
+            channels.
+
+        Raises
+        ------
+        ValueError
+            A point that is not finite, a normal without direction, or shapes that do not fit.
         """
         return self._core.at(points, normals, False)
 
@@ -181,10 +189,12 @@ def solve_radiosity(
     >>> abs(solution.irradiance(wall)[0, 0] - 2.0) < 1e-3
     np.True_
     """
+    if max_bytes < 0:
+        raise ValueError(f"max_bytes must be >= 0, not {max_bytes!r}")
     scene.commit()
     core = _core.solve(
         scene._core,
-        tolerance,
+        number("tolerance", tolerance),
         choice("norm", norm, _NORMS),
         choice("engine", engine, _ENGINES),
         channels or 0,
