@@ -1,53 +1,62 @@
 /* SPDX-License-Identifier: MIT */
-/* Worst errors of the float path, for every kernel of this build: its cube root over the whole
- * range, and its pixels against the double reference. */
+/* Worst errors of the float path, for every kernel of this build: its 1 - f over the whole range,
+ * and its pixels against the double reference. */
 #include "planning.h"
 
+#include "colour/internal.h"
 #include <lcor/colour.h>
 
 enum { PIXELS = 1000000 };
 
-static float cube_root(const lcor_kernel *kernel, float value)
+/* 1 - f(t) by the kernel and in double */
+static float g_of(const lcor_kernel *kernel, float t)
 {
-    float x[LCOR_BLOCK], y[LCOR_BLOCK];
+    float c[LCOR_BLOCK];
 
     for (int j = 0; j < LCOR_BLOCK; j++)
-        x[j] = value;
-    kernel->cube_root(x, y);
-    return y[LCOR_BLOCK - 1];
+        c[j] = t;
+    kernel->g(c, 1);
+    return c[LCOR_BLOCK - 1];
 }
 
-static void cube_root_is_within_1_4e_7(void **state)
+static double exact_g(float t) { return 1.0 - lcor_internal_f(LCOR_LIGHTNESS_CIE, (double)t); }
+
+static void f_is_within_9_1e_8(void **state)
 {
     const lcor_kernel *kernel;
 
     (void)state;
     for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
-        double worst = 0.0;
-        float x[LCOR_BLOCK], y[LCOR_BLOCK];
+        double worst = 0.0, worst_relative = 0.0;
+        float x[LCOR_BLOCK], c[LCOR_BLOCK];
 
-        /* the error repeats every three octaves; 97 floats apart, then the far ends */
-        for (float from = 0.0086f; from < 1.1f;) {
+        /* the error repeats every three octaves; 97 floats apart */
+        for (float from = 1e-9f; from < 9.0f;) {
             for (int j = 0; j < LCOR_BLOCK; j++) {
                 uint32_t u;
 
-                x[j] = from;
+                x[j] = c[j] = from;
                 memcpy(&u, &from, sizeof u);
                 u += 97;
                 memcpy(&from, &u, sizeof u);
             }
-            kernel->cube_root(x, y);
+            kernel->g(c, 1);
             for (int j = 0; j < LCOR_BLOCK; j++) {
-                const double exact = cbrt((double)x[j]);
+                const double error = fabs((double)c[j] - exact_g(x[j]));
 
-                worst = fmax(worst, fabs((double)y[j] - exact) / exact);
+                if (x[j] <= 1.0f)
+                    worst = fmax(worst, error);
+                else
+                    worst_relative = fmax(worst_relative, error / (1.0 - exact_g(x[j])));
             }
         }
-        print_message("%s: cube root %.3g\n", kernel->name, worst);
-        assert_true(worst < 1.4e-7);
-        assert_true(cube_root(kernel, 1.0f) == 1.0f);
-        check_near((double)cube_root(kernel, 1e18f), 1e6, 0.2, "1e18");
-        check_near((double)cube_root(kernel, 1e-27f), 1e-9, 2e-16, "1e-27");
+        print_message("%s: f in 0..1 %.3g, relative beyond %.3g\n", kernel->name, worst,
+                      worst_relative);
+        assert_true(worst < 9.1e-8);
+        assert_true(worst_relative < 1.4e-7);
+        assert_true(g_of(kernel, 1.0f) <= 0.0f); /* white: clamped to 0 */
+        check_near((double)g_of(kernel, 1e18f), 1.0 - 1e6, 0.2, "1e18");
+        check_near((double)g_of(kernel, 0.0f), 25.0 / 29.0, 3e-8, "0");
     }
 }
 
@@ -122,10 +131,8 @@ static void compare_float(const lcor_kernel *kernel, const buffers *b, size_t n,
     print_message("%s %s: RGB %.3g, dE max %.3g mean %.3g\n", kernel->name,
                   gamut == LCOR_GAMUT_CLIP ? "clip" : "keep", worst, worst_e, sum_e / (double)n);
     assert_true(sum_e / (double)n <= 2e-5);
-    /* where a colour only grazes a face of the gamut, the factor s feels every rounding error of
-     * the chroma it scales: see docs/MODEL.md, "Accuracy" */
-    assert_true(worst <= (gamut == LCOR_GAMUT_CLIP ? 3e-6 : 6e-6));
-    assert_true(worst_e <= (gamut == LCOR_GAMUT_CLIP ? 2e-4 : 8e-4));
+    assert_true(worst <= 3e-6);
+    assert_true(worst_e <= 2e-4);
 }
 
 static void float_pixels_follow_double(void **state)
@@ -282,7 +289,7 @@ static int release(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(cube_root_is_within_1_4e_7),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(f_is_within_9_1e_8),
                                        cmocka_unit_test(float_pixels_follow_double),
                                        cmocka_unit_test(codes_are_at_most_one_off),
                                        cmocka_unit_test(converted_texture_follows_double),

@@ -132,6 +132,11 @@ double lcor_internal_f_inverse(lcor_lightness lightness, double f)
     return (f - 4.0 / 29.0) * (108.0 / 841.0);
 }
 
+double lcor_internal_f_inverse_slope(lcor_lightness lightness, double f)
+{
+    return lightness == LCOR_LIGHTNESS_PAPER || f > 6.0 / 29.0 ? 3.0 * f * f : 108.0 / 841.0;
+}
+
 void lcor_xyz_from_rgb(const lcor_colour *colour, const double rgb[3], double xyz[3])
 {
     lcor_internal_mat3_apply(colour->to_xyz, rgb, xyz); /* eq 1 */

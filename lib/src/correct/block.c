@@ -39,7 +39,7 @@ void lcor_internal_load_maps(const lcor_row_job *job, size_t at, size_t m, lcor_
     const lcor_plan *p = job->plan;
 
     memset(b->v, 0, sizeof b->v);
-    memset(b->fn, 0, sizeof b->fn);
+    memset(b->t, 0, sizeof b->t);
     for (size_t j = 0; j < m; j++) {
         const double i = lcor_internal_load_sample(job->illuminance, p->map_type, at + j);
         const double rho =
@@ -55,7 +55,7 @@ void lcor_internal_load_maps(const lcor_row_job *job, size_t at, size_t m, lcor_
             t = lcor_internal_display(p->r_mean > 0.0 ? i * rho / p->r_mean : 0.0, p->exponent,
                                       p->gain);
             v = fmin(fmax(t, 0.0), DBL_MAX) * p->rho_ratio;
-            b->fn[j] = (float)fmin(fmax(t, -1e30), 1e30);
+            b->t[j] = (float)fmin(fmax(t, -1e30), 1e30);
             b->v[j] = v > 0.0 ? (float)fmin(v / rho, 1e30) : 0.0f;
         }
     }
@@ -81,7 +81,7 @@ size_t lcor_internal_replace_bad(const lcor_row_job *job, size_t at, size_t m, l
         if (good)
             continue;
         b->v[j] = 0.0f;
-        b->fn[j] = 0.5f; /* neither below J1 nor above J2 */
+        b->t[j] = 0.5f; /* neither below J1 nor above J2 */
         bad++;
         if (job->stats != NULL && job->stats->non_finite++ == 0) {
             job->stats->first_bad_row = job->row;
@@ -104,15 +104,13 @@ static void apply_tone(const lcor_plan *plan, float *values)
     }
 }
 
-void lcor_internal_to_device(const lcor_plan *plan, float *r, float *g, float *b)
+void lcor_internal_to_device(const lcor_plan *plan, float c[][LCOR_BLOCK])
 {
-    float *planes[3] = {r, g, b};
-
-    for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++)
         if (plan->tone != NULL)
-            apply_tone(plan, planes[i]);
+            apply_tone(plan, c[k]);
         else if (plan->colour.transfer != LCOR_TRANSFER_LINEAR)
-            plan->kernel->transfer(&plan->k.encode, planes[i]);
+            plan->kernel->transfer(&plan->k.encode, c[k]);
 }
 
 static void store(const lcor_plan *p, void *out, size_t i, float x)
@@ -127,16 +125,11 @@ static void store(const lcor_plan *p, void *out, size_t i, float x)
         ((uint16_t *)out)[i] = (uint16_t)(v * 65535.0f + 0.5f);
 }
 
-void lcor_internal_store_strided(const lcor_row_job *job, size_t at, size_t m, const float *r,
-                                 const float *g, const float *b)
+void lcor_internal_store_strided(const lcor_row_job *job, size_t at, size_t m, const lcor_block *b)
 {
     const lcor_layout l = job->plan->out;
 
-    for (size_t j = 0; j < m; j++) {
-        const size_t i = (at + j) * l.pixel_step;
-
-        store(job->plan, job->out, i, r[j]);
-        store(job->plan, job->out, i + l.channel_step, g[j]);
-        store(job->plan, job->out, i + 2 * l.channel_step, b[j]);
-    }
+    for (size_t j = 0; j < m; j++)
+        for (size_t k = 0; k < 3; k++)
+            store(job->plan, job->out, (at + j) * l.pixel_step + k * l.channel_step, b->c[k][j]);
 }

@@ -41,6 +41,49 @@ static int is_dense(lcor_layout l)
     return l.pixel_step == 1 || (l.pixel_step == 3 && l.channel_step == 1);
 }
 
+/* A full block of a dense row. */
+static void load_dense(const lcor_row_job *job, size_t at, lcor_block *b)
+{
+    const lcor_plan *p = job->plan;
+    const size_t size = lcor_internal_sample_size(p->in_type);
+    const char *from = (const char *)job->texels + at * p->in.pixel_step * size;
+    float LCOR_ALIGNED pixels[3 * LCOR_BLOCK];
+
+    if (p->in.pixel_step == 3 && p->in_type == LCOR_F32) {
+        p->kernel->separate((const float *)(const void *)from, b);
+    } else if (p->in.pixel_step == 3) {
+        p->kernel->widen(p->in_type, from, 3, pixels);
+        p->kernel->separate(pixels, b);
+    } else {
+        for (size_t k = 0; k < 3; k++, from += p->in.channel_step * size)
+            if (p->in_type == LCOR_F32)
+                memcpy(b->c[k], from, sizeof b->c[k]);
+            else
+                p->kernel->widen(p->in_type, from, 1, b->c[k]);
+    }
+}
+
+static void store_dense(const lcor_row_job *job, size_t at, const lcor_block *b)
+{
+    const lcor_plan *p = job->plan;
+    const size_t size = lcor_internal_sample_size(p->out_type);
+    char *to = (char *)job->out + at * p->out.pixel_step * size;
+    float LCOR_ALIGNED pixels[3 * LCOR_BLOCK];
+
+    if (p->out.pixel_step == 3 && p->out_type == LCOR_F32) {
+        p->kernel->interleave(b, (float *)(void *)to);
+    } else if (p->out.pixel_step == 3) {
+        p->kernel->interleave(b, pixels);
+        p->kernel->narrow(p->out_type, pixels, 3, to);
+    } else {
+        for (size_t k = 0; k < 3; k++, to += p->out.channel_step * size)
+            if (p->out_type == LCOR_F32)
+                p->kernel->clamp(b->c[k], (float *)(void *)to);
+            else
+                p->kernel->narrow(p->out_type, b->c[k], 1, to);
+    }
+}
+
 static void fill_colour(const lcor_row_job *job, size_t at, size_t m, lcor_block *b)
 {
     const lcor_plan *p = job->plan;
@@ -51,7 +94,7 @@ static void fill_colour(const lcor_row_job *job, size_t at, size_t m, lcor_block
         for (size_t k = 0; k < 3; k++)
             memcpy(b->c[k], job->f + k * job->plane + at, m * sizeof b->c[k][0]);
     } else if (m == LCOR_BLOCK && p->decode_table == NULL && is_dense(p->in)) {
-        p->kernel->load(job, at, b);
+        load_dense(job, at, b);
     } else {
         lcor_internal_load_strided(job, at, m, b);
     }
@@ -80,7 +123,7 @@ static int fill_float_maps(const lcor_row_job *job, size_t at, size_t m, lcor_bl
     kernel->maps(job->plan, i, rho, b);
     for (size_t j = m; j < LCOR_BLOCK; j++) {
         b->v[j] = 0.0f;
-        b->fn[j] = 0.5f; /* neither below J1 nor above J2 */
+        b->t[j] = 0.5f; /* neither below J1 nor above J2 */
     }
     return kernel->any_suspect(i, 1) || (rho != NULL && kernel->any_suspect(rho, 1));
 }
@@ -96,7 +139,8 @@ static size_t fill(const lcor_row_job *job, size_t at, size_t m, lcor_block *b)
         suspect = fill_float_maps(job, at, m, b);
     else
         lcor_internal_load_maps(job, at, m, b);
-    if (suspect || p->kernel->any_suspect(b->c[0], 3))
+    if (suspect ||
+        ((job->f != NULL || p->in_type == LCOR_F32) && p->kernel->any_suspect(b->c[0], 3)))
         return lcor_internal_replace_bad(job, at, m, b);
     return 0;
 }
@@ -107,66 +151,64 @@ static void compute(const lcor_row_job *job, size_t m, size_t bad, lcor_block *b
     const lcor_plan *p = job->plan;
 
     if (job->stats != NULL && p->reading == LCOR_READING_PATCH)
-        p->kernel->count(b->fn, job->stats);
+        p->kernel->count(b->t, job->stats);
     if (job->f != NULL) {
         p->kernel->lightness_of_f(&p->k, b);
+        p->kernel->g(b->c[3], 1);
     } else {
         for (int k = 0; p->decode_by_power && k < 3; k++)
             p->kernel->transfer(&p->k.decode, b->c[k]);
         p->kernel->lightness(&p->k, b);
+        p->kernel->g(b->c[0], 4);
     }
     if (job->stats != NULL && p->reading == LCOR_READING_TEXEL) {
-        p->kernel->count(b->kx, job->stats);
+        p->kernel->count(b->t, job->stats);
         if (p->k.w < 0.0f) /* what is bad or beyond the end stands there as black */
             job->stats->clipped_low -= bad + (LCOR_BLOCK - m);
     }
     p->kernel->chroma(&p->k, b);
 }
 
-/* Sum of LCOR_BLOCK flags, eight at a time. */
-static unsigned count_flags(const uint8_t *flags)
+/* What float leaves open: pixels out of gamut, or too near its faces to say. The reference gives
+ * them their colour by rule S9, and their count. */
+static void settle_outside(const lcor_row_job *job, size_t at, size_t m, lcor_block *b)
 {
-    unsigned count = 0;
+    const int keep_hue = job->plan->gamut == LCOR_GAMUT_KEEP_HUE;
+    int32_t LCOR_ALIGNED outside[LCOR_BLOCK];
 
-    for (size_t j = 0; j < LCOR_BLOCK; j += 8) {
-        uint64_t eight;
+    job->plan->kernel->find_outside(b, outside);
+    for (size_t j = 0; j < m; j++) {
+        double rgb[3];
+        unsigned flags;
 
-        memcpy(&eight, flags + j, sizeof eight);
-        count += (unsigned)((eight * UINT64_C(0x0101010101010101)) >> 56);
+        if (outside[j] == 0)
+            continue;
+        flags = lcor_internal_correct_at(job, at + j, rgb);
+        for (int k = 0; keep_hue && k < 3; k++)
+            b->c[k][j] = (float)rgb[k];
+        if (job->stats != NULL)
+            job->stats->out_of_gamut += (flags & LCOR_PIXEL_OUTSIDE) != 0;
     }
-    return count;
 }
 
 void lcor_internal_correct_blocks(const lcor_row_job *job)
 {
     const lcor_plan *p = job->plan;
-    const int keep_hue = p->gamut == LCOR_GAMUT_KEEP_HUE;
     lcor_block b;
-    lcor_outside q;
-    uint8_t flags[LCOR_BLOCK];
 
-    memset(&q, 0, sizeof q);
     for (size_t at = 0; at < job->n; at += LCOR_BLOCK) {
         const size_t m = job->n - at < LCOR_BLOCK ? job->n - at : LCOR_BLOCK;
-        unsigned outside = 0;
 
         prefetch_block(job, at + 2 * LCOR_BLOCK);
         compute(job, m, fill(job, at, m, &b), &b);
-        if (keep_hue || job->stats != NULL) {
-            p->kernel->find_outside(&b, flags);
-            outside = count_flags(flags);
-        }
-        if (job->stats != NULL)
-            job->stats->out_of_gamut += outside;
-        lcor_internal_to_device(p, b.c[0], b.c[1], b.c[2]);
+        if (p->gamut == LCOR_GAMUT_KEEP_HUE || job->stats != NULL)
+            settle_outside(job, at, m, &b);
+        lcor_internal_to_device(p, b.c);
         if (m == LCOR_BLOCK && is_dense(p->out))
-            p->kernel->store(job, at, &b);
+            store_dense(job, at, &b);
         else
-            lcor_internal_store_strided(job, at, m, b.c[0], b.c[1], b.c[2]);
-        if (keep_hue && outside != 0)
-            lcor_internal_gather(job, at, m, &b, flags, &q);
+            lcor_internal_store_strided(job, at, m, &b);
     }
-    lcor_internal_flush(job, &q);
     if (job->stats != NULL)
         job->stats->pixels += job->n;
 }

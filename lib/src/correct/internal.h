@@ -45,6 +45,8 @@ double lcor_internal_chroma_factor(double y, double y_new);
 /* The reference: one linear RGB pixel in double, corrected to linear RGB in 0..1. Returns bits. */
 unsigned lcor_internal_correct_pixel(const lcor_plan *plan, const double rgb[3], double illuminance,
                                      double rho, double out[3]);
+/* The same for pixel i of a row. */
+unsigned lcor_internal_correct_at(const lcor_row_job *job, size_t i, double rgb[3]);
 /* f and y of linear RGB; 0 if it is bad (rule S10). */
 int lcor_internal_texel_f(const lcor_plan *plan, const double rgb[3], double f[3], double *y);
 /* lcor_internal_correct_pixel from f. */

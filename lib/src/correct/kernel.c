@@ -32,15 +32,13 @@
 #define ISA(name) name##_base
 #define ISA_NAME  "base"
 #define TARGET
-#define INT_ORDER 0
+#define INT_ORDER 1
 #include "correct/kernel_template.h"
 #undef ISA
 #undef ISA_NAME
 #undef TARGET
-#undef INT_ORDER
 
 #ifdef LCOR_HAVE_X86
-#define INT_ORDER 1
 
 #define ISA(name) name##_avx2
 #define ISA_NAME  "avx2"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The float path: rows in blocks of 64 pixels that stay in the first-level cache, one short loop
+/* The float path: rows in blocks of pixels that stay in the first-level cache, one short loop
  * over a block for each step. The loops live in kernel_template.h, compiled once per instruction
  * set; what compilers do not vectorise is shared in block.c. */
 #ifndef LCOR_CORRECT_KERNEL_H
@@ -11,9 +11,9 @@
 #include <stdint.h>
 
 #if defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M' /* little stack, no vectors */
-enum { LCOR_BLOCK = 32, LCOR_GATHERED = 16 };
+enum { LCOR_BLOCK = 32 };
 #else
-enum { LCOR_BLOCK = 64, LCOR_GATHERED = 32 };
+enum { LCOR_BLOCK = 128 };
 #endif
 
 #if defined(__GNUC__)
@@ -30,7 +30,8 @@ typedef struct lcor_power {
 
 /* Constants of a plan for the float path. */
 typedef struct lcor_kernel_constants {
-    float m[9], n[9]; /* linear RGB -> X/X0, Y/Y0, Z/Z0 and back; rows of n sum to exactly 1 */
+    float m[3][3]; /* linear RGB -> X/X0, Y/Y0, Z/Z0 */
+    float n[3][2]; /* and back: factors of X/X0 - Y/Y0 and Z/Z0 - Y/Y0, since rows sum to 1 */
     /* Ynew = clamp(v y + w): with the patch's rho v = max(T, 0) / rho and w = 0, with the texel's
      * own y (T linear in y) v = illuminance * slope and w the constant of T */
     float w;
@@ -45,22 +46,12 @@ typedef struct lcor_kernel_constants {
 
 /* Planes of one block; ends of short ones are padded with black. */
 typedef struct lcor_block {
-    float LCOR_ALIGNED c[3][LCOR_BLOCK]; /* RGB, then fx fy fz, then RGB */
-    float LCOR_ALIGNED v[LCOR_BLOCK];    /* v of Ynew = v y + w, then Ynew */
-    float LCOR_ALIGNED fn[LCOR_BLOCK];   /* T where it is counted, then f(Ynew) */
-    float LCOR_ALIGNED kx[LCOR_BLOCK];   /* k (fx - fy) and k (fz - fy), eqs 14 and 15 */
-    float LCOR_ALIGNED kz[LCOR_BLOCK];
+    /* RGB, then X Y Z over white and Ynew, then 1 - f of these four, then RGB */
+    float LCOR_ALIGNED c[4][LCOR_BLOCK];
+    float LCOR_ALIGNED v[LCOR_BLOCK];     /* of Ynew = clamp(v y + w) */
+    float LCOR_ALIGNED t[LCOR_BLOCK];     /* T, where it is counted */
+    float LCOR_ALIGNED y_new[LCOR_BLOCK]; /* Ynew */
 } lcor_block;
-
-/* Pixels out of gamut, gathered over blocks so that they are fitted many at a time. */
-typedef struct lcor_outside {
-    float LCOR_ALIGNED kx[LCOR_GATHERED]; /* chroma, f and Ynew */
-    float LCOR_ALIGNED kz[LCOR_GATHERED];
-    float LCOR_ALIGNED fn[LCOR_GATHERED];
-    float LCOR_ALIGNED y[LCOR_GATHERED];
-    size_t at[LCOR_GATHERED]; /* pixel of the row */
-    size_t count;
-} lcor_outside;
 
 /* Arguments of lcor_correct_row, or of lcor_correct_texture_row when f is not NULL. */
 typedef struct lcor_row_job {
@@ -77,9 +68,13 @@ typedef struct lcor_row_job {
 /* The loops of one instruction set; planes are LCOR_BLOCK floats. */
 typedef struct lcor_kernel {
     const char *name;
-    /* a full block of dense samples in and out */
-    void (*load)(const lcor_row_job *job, size_t at, lcor_block *b);
-    void (*store)(const lcor_row_job *job, size_t at, const lcor_block *b);
+    /* full blocks of RGB pixels from and to planes */
+    void (*separate)(const float *pixels, lcor_block *b);
+    void (*interleave)(const lcor_block *b, float *pixels);
+    /* u8 or u16 from and to floats; narrow clamps them to 0..1, as do the two above and below */
+    void (*widen)(lcor_sample type, const void *from, size_t planes, float *to);
+    void (*narrow)(lcor_sample type, const float *from, size_t planes, void *to);
+    void (*clamp)(const float *from, float *to);
     /* T and v from full float maps; rho may be NULL */
     void (*maps)(const lcor_plan *plan, const float *illuminance, const float *rho, lcor_block *b);
     int (*any_suspect)(const float *x, size_t planes);
@@ -87,11 +82,9 @@ typedef struct lcor_kernel {
     void (*transfer)(const lcor_power *p, float *c);
     void (*lightness)(const lcor_kernel_constants *k, lcor_block *b);
     void (*lightness_of_f)(const lcor_kernel_constants *k, lcor_block *b);
+    void (*g)(float *c, size_t planes);
     void (*chroma)(const lcor_kernel_constants *k, lcor_block *b);
-    /* flags: 1 for the pixels that left 0..1 by more than rounding */
-    void (*find_outside)(const lcor_block *b, uint8_t *flags);
-    /* for the test of its worst error: x^(1/3) for x >= 0.0088 */
-    void (*cube_root)(const float *x, float *y);
+    void (*find_outside)(const lcor_block *b, int32_t *outside); /* not 0 for those */
 } lcor_kernel;
 
 /* Kernels of this build, best first, that the machine can run: index 0, 1...; NULL after the last.
@@ -106,13 +99,7 @@ void lcor_internal_load_strided(const lcor_row_job *job, size_t at, size_t m, lc
 void lcor_internal_load_maps(const lcor_row_job *job, size_t at, size_t m, lcor_block *b);
 size_t lcor_internal_replace_bad(const lcor_row_job *job, size_t at, size_t m, lcor_block *b);
 /* Linear RGB of three planes to what the device takes. */
-void lcor_internal_to_device(const lcor_plan *plan, float *r, float *g, float *b);
-void lcor_internal_store_strided(const lcor_row_job *job, size_t at, size_t m, const float *r,
-                                 const float *g, const float *b);
-/* After the block is stored: its pixels marked in `flags` are stored again once fitted. */
-void lcor_internal_gather(const lcor_row_job *job, size_t at, size_t m, const lcor_block *b,
-                          const uint8_t *flags, lcor_outside *q);
-/* Fit and store the gathered ones. */
-void lcor_internal_flush(const lcor_row_job *job, lcor_outside *q);
+void lcor_internal_to_device(const lcor_plan *plan, float c[][LCOR_BLOCK]);
+void lcor_internal_store_strided(const lcor_row_job *job, size_t at, size_t m, const lcor_block *b);
 
 #endif

@@ -42,34 +42,31 @@ INNER float ISA(at_most)(float x, float c)
 
 INNER float ISA(clamp)(float x) { return ISA(at_most)(ISA(at_least)(x, 0.0f), 1.0f); }
 
-/* Cube root of x >= 2^-100: worst relative error 1.4e-7 (tests/numeric/test_kernel.c), exact for 1.
- * z ~ x^(-1/3) within 3.5 % from a third of the exponent; y0 = x z^2 and e = 1 - y0 z give
- * y = y0 (1 - e)^(-2/3), a minimax polynomial for |e| < 0.1022. Rounding of y0 comes back through
- * e and is damped to a third, so that no Newton step and no division are needed. */
-INNER float ISA(cbrt)(float x)
+/* 1 - f(t) with f of eqs 2-4 (CIE 1976): eq 16 divides by that, and float holds more of its digits
+ * near white than of f's.
+ *
+ * The cube root of m >= 2^-100: z ~ m^(-1/3) within 3.5 % from a third of the exponent; c0 = m z^2
+ * and e = 1 - c0 z give c0 (1 - e)^(-2/3), a minimax polynomial for |e| < 0.1022. Rounding of c0
+ * comes back through e and is damped to a third, so that no Newton step and no division are needed.
+ * The straight line below (6/29)^3 is the cube root's tangent there, so both parts are
+ * cbrt(m) + slope (t - m) with m = max(t, (6/29)^3), and no choice is left.
+ * Worst error 9.1e-8 for t in 0..1, 1.4e-7 relative to f beyond (tests/numeric/test_kernel.c). */
+INNER float ISA(g_of)(float t)
 {
-    const float z = ISA(from_bits)(1419899955 - (int32_t)((float)ISA(bits)(x) * 0.333333333f));
-    const float y = x * z * z;
-    const float e = 1.0f - y * z;
+    const float m = ISA(at_least)(t, 0.00885645207f);
+    const float z = ISA(from_bits)(1419899955 - (int32_t)((float)ISA(bits)(m) * 0.333333333f));
+    const float c0 = m * z * z;
+    const float e = 1.0f - c0 * z;
     const float p =
         0.6666666865f +
         e * (0.5555365086f + e * (0.4938009381f + e * (0.4585397243f + e * 0.4287317097f)));
 
-    return y + y * (e * p);
+    return (1.0f - c0) - (c0 * (e * p) + (t - m) * 7.78703703f); /* 841/108 */
 }
 
-/* f of eqs 2-4 (CIE 1976). The straight line is the cube root's tangent at (6/29)^3, so both parts
- * are cbrt(m) + slope (t - m) with m = max(t, (6/29)^3), and no choice is left. */
-INNER float ISA(f)(float t)
-{
-    const float m = ISA(at_least)(t, 0.00885645207f);
+#define G_BLACK 0.862068951f /* of 0 as the line above rounds it: 25/29 */
 
-    return ISA(cbrt)(m) + (t - m) * 7.78703703f; /* 841/108 */
-}
-
-#define F_BLACK 0.137931049f /* f(0) as the line above rounds it: 4/29 */
-
-/* Its inverse; the slope is 108/841 to an ulp, chosen so that F_BLACK comes back as exactly 0. */
+/* The inverse of f; the slope is 108/841 to an ulp, chosen so that 1 - G_BLACK gives exactly 0. */
 INNER float ISA(f_inverse)(float v)
 {
     const float m = ISA(at_least)(v, 0.206896558f); /* 6/29 */

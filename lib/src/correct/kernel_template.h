@@ -11,12 +11,10 @@
 
 #include "correct/kernel_arithmetic.h"
 
-/* Samples of one or three planes as floats in 0..1. */
+/* Samples of some planes as floats in 0..1. */
 STAGE void ISA(widen)(lcor_sample type, const void *from, size_t planes, float *restrict to)
 {
-    if (type == LCOR_F32) {
-        memcpy(to, from, planes * LCOR_BLOCK * sizeof *to);
-    } else if (type == LCOR_U8) {
+    if (type == LCOR_U8) {
         const uint8_t *restrict s = from;
 
         for (; planes > 0; planes--, s += LCOR_BLOCK, to += LCOR_BLOCK)
@@ -31,16 +29,10 @@ STAGE void ISA(widen)(lcor_sample type, const void *from, size_t planes, float *
     }
 }
 
-/* Floats, clamped, as samples; halves up. */
+/* Floats, clamped, as samples; halves go up. */
 STAGE void ISA(narrow)(lcor_sample type, const float *restrict from, size_t planes, void *to)
 {
-    if (type == LCOR_F32) {
-        float *restrict d = to;
-
-        for (; planes > 0; planes--, d += LCOR_BLOCK, from += LCOR_BLOCK)
-            EACH (j, LCOR_BLOCK)
-                d[j] = ISA(clamp)(from[j]);
-    } else if (type == LCOR_U8) {
+    if (type == LCOR_U8) {
         uint8_t *restrict d = to;
 
         for (; planes > 0; planes--, d += LCOR_BLOCK, from += LCOR_BLOCK)
@@ -55,31 +47,29 @@ STAGE void ISA(narrow)(lcor_sample type, const float *restrict from, size_t plan
     }
 }
 
-/* A full block of interleaved or planar samples. */
-STAGE void ISA(load)(const lcor_row_job *job, size_t at, lcor_block *restrict b)
+STAGE void ISA(separate)(const float *restrict s, lcor_block *restrict b)
 {
-    const lcor_plan *p = job->plan;
-    const lcor_sample type = p->in_type;
-    const size_t size = lcor_internal_sample_size(type);
-    const char *from = (const char *)job->texels + at * p->in.pixel_step * size;
-
-    if (p->in.pixel_step == 3) {
-        float LCOR_ALIGNED mixed[3 * LCOR_BLOCK];
-        const float *s = (const float *)(const void *)from;
-
-        if (type != LCOR_F32) {
-            ISA(widen)(type, from, 3, mixed);
-            s = mixed;
-        }
-        EACH (j, LCOR_BLOCK) {
-            b->c[0][j] = s[3 * j];
-            b->c[1][j] = s[3 * j + 1];
-            b->c[2][j] = s[3 * j + 2];
-        }
-    } else {
-        for (size_t k = 0; k < 3; k++)
-            ISA(widen)(type, from + k * p->in.channel_step * size, 1, b->c[k]);
+    EACH (j, LCOR_BLOCK) {
+        b->c[0][j] = s[3 * j];
+        b->c[1][j] = s[3 * j + 1];
+        b->c[2][j] = s[3 * j + 2];
     }
+}
+
+/* Clamped, since that costs nothing here. */
+STAGE void ISA(interleave)(const lcor_block *restrict b, float *restrict d)
+{
+    EACH (j, LCOR_BLOCK) {
+        d[3 * j] = ISA(clamp)(b->c[0][j]);
+        d[3 * j + 1] = ISA(clamp)(b->c[1][j]);
+        d[3 * j + 2] = ISA(clamp)(b->c[2][j]);
+    }
+}
+
+STAGE void ISA(clamp_plane)(const float *restrict from, float *restrict to)
+{
+    EACH (j, LCOR_BLOCK)
+        to[j] = ISA(clamp)(from[j]);
 }
 
 /* A transfer function, or its inverse, over a plane: a straight line up to a knee, then a power. */
@@ -113,7 +103,7 @@ STAGE void ISA(maps)(const lcor_plan *p, const float *restrict i, const float *r
         EACH (j, LCOR_BLOCK) {
             const float t = i[j] * rho[j] * slope + offset; /* eq 12 */
 
-            b->fn[j] = t;
+            b->t[j] = t;
             b->v[j] = t > 0.0f ? ISA(at_most)(t * ratio / rho[j], 1e30f) : 0.0f; /* rule S1 */
         }
     } else {
@@ -122,28 +112,24 @@ STAGE void ISA(maps)(const lcor_plan *p, const float *restrict i, const float *r
         EACH (j, LCOR_BLOCK) {
             const float t = i[j] * slope + offset; /* eq 12 */
 
-            b->fn[j] = t;
+            b->t[j] = t;
             b->v[j] = ISA(at_most)(ISA(at_least)(t, 0.0f) * over_rho, 1e30f);
         }
     }
 }
 
-/* The sign bit is set if a value is negative (or -0), NaN, infinite or 2^64 and more. */
-INNER int32_t ISA(suspect)(float x)
-{
-    const uint32_t u = (uint32_t)ISA(bits)(x);
-
-    return (int32_t)(u | (u + 0x20800000u));
-}
-
+/* Is a value negative (or -0), NaN, infinite or 2^64 and more? */
 STAGE int ISA(any_suspect)(const float *restrict x, size_t planes)
 {
-    int32_t any = 0;
+    uint32_t any = 0;
 
     for (; planes > 0; planes--, x += LCOR_BLOCK)
-        EACH (j, LCOR_BLOCK)
-            any |= ISA(suspect)(x[j]);
-    return any < 0;
+        EACH (j, LCOR_BLOCK) {
+            const uint32_t u = (uint32_t)ISA(bits)(x[j]);
+
+            any |= u | (u + 0x20800000u); /* the sign bit */
+        }
+    return any >> 31 != 0;
 }
 
 /* J < J1 and J > J2 of eq 8 */
@@ -159,127 +145,92 @@ STAGE void ISA(count)(const float *restrict t, lcor_row_stats *stats)
     stats->clipped_high += high;
 }
 
-/* Linear RGB to fx, fy, fz; Ynew and its f. */
+/* Linear RGB to X, Y, Z over white; Ynew. */
 STAGE void ISA(lightness)(const lcor_kernel_constants *k, lcor_block *restrict b)
 {
-    const float m0 = k->m[0], m1 = k->m[1], m2 = k->m[2], m3 = k->m[3], m4 = k->m[4];
-    const float m5 = k->m[5], m6 = k->m[6], m7 = k->m[7], m8 = k->m[8], w = k->w;
+    const float x_r = k->m[0][0], x_g = k->m[0][1], x_b = k->m[0][2];
+    const float y_r = k->m[1][0], y_g = k->m[1][1], y_b = k->m[1][2];
+    const float z_r = k->m[2][0], z_g = k->m[2][1], z_b = k->m[2][2], w = k->w;
 
     EACH (j, LCOR_BLOCK) {
         const float r = b->c[0][j], g = b->c[1][j], bl = b->c[2][j];
-        const float x = r * m0 + g * m1 + bl * m2; /* eq 1 */
-        const float y = r * m3 + g * m4 + bl * m5;
-        const float z = r * m6 + g * m7 + bl * m8;
-        const float t = b->v[j] * y + w;   /* eq 11; T itself where w is not 0 */
-        const float y_new = ISA(clamp)(t); /* rule S7 */
+        const float y = r * y_r + g * y_g + bl * y_b; /* eq 1 */
+        const float t = b->v[j] * y + w;              /* eq 11; T itself where w is not 0 */
 
-        b->c[0][j] = ISA(f)(x);
-        b->c[1][j] = ISA(f)(y);
-        b->c[2][j] = ISA(f)(z);
-        b->kx[j] = t;
-        b->v[j] = y_new;
-        b->fn[j] = ISA(f)(y_new); /* eq 13b */
+        b->c[0][j] = r * x_r + g * x_g + bl * x_b;
+        b->c[1][j] = y;
+        b->c[2][j] = r * z_r + g * z_g + bl * z_b;
+        b->c[3][j] = b->y_new[j] = ISA(clamp)(t); /* rule S7 */
+        b->t[j] = t;
     }
 }
 
-/* The same from fx, fy, fz of a converted texture. */
+/* The same where fx, fy, fz of a converted texture are there already; they become 1 - f. */
 STAGE void ISA(lightness_of_f)(const lcor_kernel_constants *k, lcor_block *restrict b)
 {
     const float w = k->w;
 
     EACH (j, LCOR_BLOCK) {
-        const float t = b->v[j] * ISA(f_inverse)(b->c[1][j]) + w;
-        const float y_new = ISA(clamp)(t);
+        const float fy = b->c[1][j];
+        const float t = b->v[j] * ISA(f_inverse)(fy) + w;
 
-        b->kx[j] = t;
-        b->v[j] = y_new;
-        b->fn[j] = ISA(f)(y_new);
+        b->c[0][j] = 1.0f - b->c[0][j];
+        b->c[1][j] = 1.0f - fy;
+        b->c[2][j] = 1.0f - b->c[2][j];
+        b->c[3][j] = b->y_new[j] = ISA(clamp)(t);
+        b->t[j] = t;
     }
 }
 
-INNER void ISA(rgb)(const float *n, float fx, float y, float fz, float *r, float *g, float *b)
+/* 1 - f of eqs 2-4 over planes. */
+STAGE void ISA(g)(float *restrict c, size_t planes)
 {
-    const float x = ISA(f_inverse)(fx), z = ISA(f_inverse)(fz);
-
-    *r = n[0] * x + n[2] * z + n[1] * y;
-    *g = n[3] * x + n[5] * z + n[4] * y;
-    *b = n[6] * x + n[8] * z + n[7] * y;
+    for (; planes > 0; planes--, c += LCOR_BLOCK)
+        EACH (j, LCOR_BLOCK)
+            c[j] = ISA(g_of)(c[j]);
 }
 
 /* k of eq 16, new chroma, and back to linear RGB, not yet clamped. */
 STAGE void ISA(chroma)(const lcor_kernel_constants *k, lcor_block *restrict b)
 {
-    float n[9];
+    const float r_x = k->n[0][0], r_z = k->n[0][1], g_x = k->n[1][0], g_z = k->n[1][1];
+    const float b_x = k->n[2][0], b_z = k->n[2][1];
 
-    memcpy(n, k->n, sizeof n);
     EACH (j, LCOR_BLOCK) {
-        const float fx = b->c[0][j], fy = b->c[1][j], fz = b->c[2][j], fn = b->fn[j];
-        /* both branches are (h - fn) / (h - fy); 1e-10 only keeps 0 / 0 away (rules S5, S6) */
-        const float h = fn > fy ? 1.0f : F_BLACK;
-        const float chroma = (h - fn) / (h - fy - 1e-10f); /* eq 16 */
-        const float kx = chroma * (fx - fy);               /* eq 14 */
-        const float kz = chroma * (fz - fy);               /* eq 15 */
+        const float gx = b->c[0][j], gy = b->c[1][j], gz = b->c[2][j];
+        const float gn = ISA(at_least)(b->c[3][j], 0.0f), fn = 1.0f - gn, y_new = b->y_new[j];
+        /* Both branches of eq 16 are (h - gn) / (h - gy). White stays white: 0 < 1e-9 and k is 0,
+         * whatever the texel; 1e-20 only keeps 0 / 0 away (rules S5, S6). */
+        const float h = gn < ISA(at_least)(gy, 1e-9f) ? 0.0f : G_BLACK;
+        const float chroma = (h - gn) / (h - gy - 1e-20f);
+        const float dx = ISA(f_inverse)(fn + chroma * (gy - gx)) - y_new; /* eq 14 */
+        const float dz = ISA(f_inverse)(fn + chroma * (gy - gz)) - y_new; /* eq 15 */
 
-        b->kx[j] = kx;
-        b->kz[j] = kz;
-        ISA(rgb)(n, fn + kx, b->v[j], fn + kz, &b->c[0][j], &b->c[1][j], &b->c[2][j]);
+        b->c[0][j] = y_new + (r_x * dx + r_z * dz);
+        b->c[1][j] = y_new + (g_x * dx + g_z * dz);
+        b->c[2][j] = y_new + (b_x * dx + b_z * dz);
     }
 }
 
-/* The sign bit is set if x left 0..1 by more than rounding, which near 0 is the smaller the darker
- * the colour. */
-INNER uint32_t ISA(is_outside)(float x, float slack)
-{
-    return (uint32_t)(ISA(bits)(x + slack) | ISA(bits)(1.0000002f - x));
-}
-
-STAGE void ISA(find_outside)(const lcor_block *restrict b, uint8_t *restrict flags)
+/* Marks the pixels that left 0..1 or are so near its faces that float cannot tell. Near black and
+ * white everything is small, and they themselves are inside. */
+STAGE void ISA(find_outside)(const lcor_block *restrict b, int32_t *restrict outside)
 {
     EACH (j, LCOR_BLOCK) {
-        const float slack = b->v[j] * 2e-7f + 1e-8f;
+        const float y = b->y_new[j], low = y * 4e-6f, high = 1.0f - (1.0f - y) * 4e-6f;
+        const float r = b->c[0][j], g = b->c[1][j], bl = b->c[2][j];
 
-        flags[j] =
-            (uint8_t)((ISA(is_outside)(b->c[0][j], slack) | ISA(is_outside)(b->c[1][j], slack) |
-                       ISA(is_outside)(b->c[2][j], slack)) >>
-                      31);
+        outside[j] = (ISA(bits)(r - low) | ISA(bits)(g - low) | ISA(bits)(bl - low) |
+                      ISA(bits)(high - r) | ISA(bits)(high - g) | ISA(bits)(high - bl)) &
+                     INT32_MIN;
     }
 }
 
-STAGE void ISA(store)(const lcor_row_job *job, size_t at, const lcor_block *restrict b)
-{
-    const lcor_plan *p = job->plan;
-    const lcor_sample type = p->out_type;
-    const size_t size = lcor_internal_sample_size(type);
-    char *to = (char *)job->out + at * p->out.pixel_step * size;
-
-    if (p->out.pixel_step == 3) {
-        float LCOR_ALIGNED mixed[3 * LCOR_BLOCK];
-        float *d = type == LCOR_F32 ? (float *)(void *)to : mixed;
-
-        EACH (j, LCOR_BLOCK) {
-            d[3 * j] = ISA(clamp)(b->c[0][j]);
-            d[3 * j + 1] = ISA(clamp)(b->c[1][j]);
-            d[3 * j + 2] = ISA(clamp)(b->c[2][j]);
-        }
-        if (type != LCOR_F32)
-            ISA(narrow)(type, mixed, 3, to);
-    } else {
-        for (size_t k = 0; k < 3; k++)
-            ISA(narrow)(type, b->c[k], 1, to + k * p->out.channel_step * size);
-    }
-}
-
-STAGE void ISA(cube_root)(const float x[LCOR_BLOCK], float y[LCOR_BLOCK])
-{
-    EACH (j, LCOR_BLOCK)
-        y[j] = ISA(cbrt)(x[j]);
-}
-
-static const lcor_kernel ISA(kernel) = {ISA_NAME,      ISA(load),         ISA(store),
-                                        ISA(maps),     ISA(any_suspect),  ISA(count),
-                                        ISA(transfer), ISA(lightness),    ISA(lightness_of_f),
-                                        ISA(chroma),   ISA(find_outside), ISA(cube_root)};
+static const lcor_kernel ISA(kernel) = {
+    ISA_NAME,         ISA(separate),       ISA(interleave),  ISA(widen),  ISA(narrow),
+    ISA(clamp_plane), ISA(maps),           ISA(any_suspect), ISA(count),  ISA(transfer),
+    ISA(lightness),   ISA(lightness_of_f), ISA(g),           ISA(chroma), ISA(find_outside)};
 
 #undef INNER
 #undef STAGE
-#undef F_BLACK
+#undef G_BLACK

@@ -14,63 +14,84 @@ double lcor_internal_display(double q, double exponent, double gain)
     return 0.5 + (lcor_internal_pow(q, exponent) - 1.0) * gain;
 }
 
-double lcor_internal_chroma_factor(double y, double y_new)
+static double chroma_factor(double fy, double fn)
 {
     const double black = 4.0 / 29.0; /* f where L* = 0 */
-    const double fy = lcor_internal_f(LCOR_LIGHTNESS_CIE, y);
-    const double fn = lcor_internal_f(LCOR_LIGHTNESS_CIE, y_new);
 
     if (fn > fy)
         return (1.0 - fn) / (1.0 - fy); /* eq 16 */
     return fy > black ? (fn - black) / (fy - black) : 1.0;
 }
 
-/* RGB of chroma scaled by s: the pixel's f is (fn + s kx, fn, fn + s kz). */
-static void rgb_at(const lcor_plan *p, double y_new, double fn, double kx, double kz, double s,
-                   double rgb[3])
+double lcor_internal_chroma_factor(double y, double y_new)
 {
-    const double xyz[3] = {lcor_internal_f_inverse(p->colour.lightness, fn + s * kx), y_new,
-                           lcor_internal_f_inverse(p->colour.lightness, fn + s * kz)};
+    return chroma_factor(lcor_internal_f(LCOR_LIGHTNESS_CIE, y),
+                         lcor_internal_f(LCOR_LIGHTNESS_CIE, y_new));
+}
+
+/* A corrected colour: its f is (fn + s kx, fn, fn + s kz), with s = 1 until rule S9. */
+typedef struct corrected {
+    double y, fn, kx, kz;
+} corrected;
+
+static void rgb_at(const lcor_plan *p, const corrected *c, double s, double rgb[3])
+{
+    const double xyz[3] = {lcor_internal_f_inverse(p->colour.lightness, c->fn + s * c->kx), c->y,
+                           lcor_internal_f_inverse(p->colour.lightness, c->fn + s * c->kz)};
 
     lcor_internal_mat3_apply(p->rgb_from_f, xyz, rgb);
+}
+
+/* How far RGB is outside 0..1, <= 0 inside, and how fast that grows with s. */
+static double excess_at(const lcor_plan *p, const corrected *c, double s, double *slope)
+{
+    const double *n = p->rgb_from_f;
+    const double dx = c->kx * lcor_internal_f_inverse_slope(p->colour.lightness, c->fn + s * c->kx);
+    const double dz = c->kz * lcor_internal_f_inverse_slope(p->colour.lightness, c->fn + s * c->kz);
+    double rgb[3], worst = -1.0;
+
+    rgb_at(p, c, s, rgb);
+    for (int i = 0; i < 3; i++) {
+        const double over = rgb[i] > 0.5 ? rgb[i] - 1.0 : -rgb[i];
+
+        if (over > worst) {
+            const double d = n[3 * i] * dx + n[3 * i + 2] * dz;
+
+            worst = over;
+            *slope = rgb[i] > 0.5 ? d : -d;
+        }
+    }
+    return worst;
+}
+
+/* Rule S9: the largest s in 0..1 that fits, between 0, which is grey and fits, and 1, which does
+ * not: Newton's method on the channel that is farthest outside, bisection where that leaves the
+ * interval. */
+static double fit_gamut(const lcor_plan *p, const corrected *c)
+{
+    double lo = 0.0, hi = 1.0, s = 1.0, step = 1.0;
+
+    for (int i = 0; i < 64 && fabs(step) > 1e-9; i++) { /* the step after it is below 1e-16 */
+        double slope = 0.0;
+        const double over = excess_at(p, c, s, &slope);
+        double next = s - over / slope;
+
+        if (over > 0.0)
+            hi = s;
+        else
+            lo = s;
+        if (!(next >= lo && next <= hi))
+            next = 0.5 * (lo + hi);
+        step = next - s;
+        s = next;
+    }
+    return s;
 }
 
 /* > 0 if outside 0..1 */
 static double excess(const double rgb[3])
 {
     return fmax(fmax(fmax(rgb[0], rgb[1]), rgb[2]) - 1.0, -fmin(fmin(rgb[0], rgb[1]), rgb[2]));
-}
-
-/* Rule S9: the largest s in 0..1 that fits, by regula falsi (Illinois) from s = 0, which is grey
- * and always fits, and s = 1, which does not. */
-static void fit_gamut(const lcor_plan *p, double y_new, double fn, double kx, double kz,
-                      double rgb[3])
-{
-    const double grey[3] = {y_new, y_new, y_new};
-    double lo = 0.0, hi = 1.0, g_lo = excess(grey), g_hi = excess(rgb);
-    int side = 0;
-
-    for (int i = 0; i < 64 && g_lo < 0.0 && hi - lo > 1e-16; i++) {
-        double s = lo - (hi - lo) * (g_lo / (g_hi - g_lo));
-        double e;
-
-        if (!(s > lo && s < hi)) /* one end is so close to the root that s rounds to it */
-            s = 0.5 * (lo + hi);
-        rgb_at(p, y_new, fn, kx, kz, s, rgb);
-        e = excess(rgb);
-        if (e > 0.0) {
-            g_lo *= side > 0 ? 0.5 : 1.0; /* an end that stays twice counts half */
-            hi = s;
-            g_hi = e;
-            side = 1;
-        } else {
-            g_hi *= side < 0 ? 0.5 : 1.0;
-            lo = s;
-            g_lo = e;
-            side = -1;
-        }
-    }
-    rgb_at(p, y_new, fn, kx, kz, lo, rgb);
 }
 
 static int valid(double x) { return x >= 0.0 && x <= DBL_MAX; }
@@ -92,27 +113,29 @@ static unsigned correct_f(const lcor_plan *p, const double f[3], double y, doubl
     const double q = p->r_mean > 0.0 ? r / p->r_mean : 0.0;
     double t = lcor_internal_display(q, p->exponent, p->gain);
     unsigned flags = (t < 0.0 ? LCOR_PIXEL_LOW : 0u) | (t > 1.0 ? LCOR_PIXEL_HIGH : 0u);
-    double y_new, fn, k, kx, kz;
+    corrected c;
+    double k;
 
     t = fmin(fmax(t, 0.0), DBL_MAX); /* rules S1, S4 */
     if (p->reading == LCOR_READING_PATCH && t > 0.0)
         t *= rho > 0.0 ? y_real / rho : 1.0; /* eq 11; rule S2 */
-    y_new = fmin(t, 1.0);                    /* rule S7 */
+    c.y = fmin(t, 1.0);                      /* rule S7 */
 
-    if (y_new == 1.0) { /* white, whatever the rounding of the matrices */
+    if (c.y == 1.0) { /* white, whatever the rounding of the matrices */
         out[0] = out[1] = out[2] = 1.0;
         return flags;
     }
 
-    fn = lcor_internal_f(p->colour.lightness, y_new); /* eq 13b */
-    k = lcor_internal_chroma_factor(y, y_new);
-    kx = k * (f[0] - f[1]); /* eq 14 */
-    kz = k * (f[2] - f[1]); /* eq 15 */
-    rgb_at(p, y_new, fn, kx, kz, 1.0, out);
+    c.fn = lcor_internal_f(p->colour.lightness, c.y); /* eq 13b */
+    k = p->colour.lightness == LCOR_LIGHTNESS_CIE ? chroma_factor(f[1], c.fn)
+                                                  : lcor_internal_chroma_factor(y, c.y);
+    c.kx = k * (f[0] - f[1]); /* eq 14 */
+    c.kz = k * (f[2] - f[1]); /* eq 15 */
+    rgb_at(p, &c, 1.0, out);
     if (excess(out) > slack) {
         flags |= LCOR_PIXEL_OUTSIDE;
         if (p->gamut == LCOR_GAMUT_KEEP_HUE)
-            fit_gamut(p, y_new, fn, kx, kz, out);
+            rgb_at(p, &c, fit_gamut(p, &c), out);
     }
     for (int i = 0; i < 3; i++)
         out[i] = fmin(fmax(out[i], 0.0), 1.0);

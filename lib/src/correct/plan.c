@@ -94,21 +94,6 @@ static LCOR_COLD void digest(lcor_plan *p, const lcor_plan_options *o)
     p->map_type = o->map_type;
 }
 
-/* Row sums of n in float: grey must come out grey, and white exactly 1. */
-static LCOR_COLD void round_matrix(const double from[9], float n[9])
-{
-    for (int i = 0; i < 9; i += 3) {
-        float sum;
-
-        n[i] = (float)from[i];
-        n[i + 2] = (float)from[i + 2];
-        sum = n[i] + n[i + 2];
-        n[i + 1] = 1.0f - sum;
-        for (int step = 0; step < 8 && sum + n[i + 1] != 1.0f; step++)
-            n[i + 1] = nextafterf(n[i + 1], sum + n[i + 1] < 1.0f ? 2e9f : -2e9f);
-    }
-}
-
 static int is_moderate(double x) { return x == 0.0 || (x > 1e-25 && x < 1e25); }
 
 static LCOR_COLD void set_transfer(const lcor_colour *c, lcor_kernel_constants *k)
@@ -152,9 +137,12 @@ static LCOR_COLD void prepare_kernel(lcor_plan *p)
     for (int i = 0; i < 9; i++) {
         if (!(fabs(p->f_from_rgb[i]) < 1e3 && fabs(p->rgb_from_f[i]) < 1e3))
             return;
-        k->m[i] = (float)p->f_from_rgb[i];
+        k->m[i / 3][i % 3] = (float)p->f_from_rgb[i];
     }
-    round_matrix(p->rgb_from_f, k->n);
+    for (int i = 0; i < 3; i++) {
+        k->n[i][0] = (float)p->rgb_from_f[3 * i];
+        k->n[i][1] = (float)p->rgb_from_f[3 * i + 2];
+    }
     k->offset = (float)(0.5 - p->gain);
     k->w = p->reading == LCOR_READING_TEXEL ? k->offset : 0.0f;
     k->ratio = (float)p->rho_ratio;

@@ -71,26 +71,29 @@ void lcor_plan_reflectance_row(const lcor_plan *plan, size_t n, const void *texe
     }
 }
 
+unsigned lcor_internal_correct_at(const lcor_row_job *job, size_t i, double rgb[3])
+{
+    const lcor_plan *p = job->plan;
+    const double light = map_at(p, job->illuminance, i, 0.0);
+    const double rho = map_at(p, job->rho, i, p->rho);
+
+    if (job->f == NULL) {
+        load_linear(p, job->texels, i, rgb);
+        return lcor_internal_correct_pixel(p, rgb, light, rho, rgb);
+    }
+    for (size_t k = 0; k < 3; k++)
+        rgb[k] = (double)job->f[k * job->plane + i];
+    return lcor_internal_correct_texel_f(p, rgb, light, rho, rgb);
+}
+
 /* Any row through the reference. */
 static void correct_row_in_double(const lcor_row_job *job)
 {
-    const lcor_plan *p = job->plan;
-
     for (size_t i = 0; i < job->n; i++) {
-        const double light = map_at(p, job->illuminance, i, 0.0);
-        const double rho = map_at(p, job->rho, i, p->rho);
-        double c[3];
-        unsigned flags;
+        double rgb[3];
+        const unsigned flags = lcor_internal_correct_at(job, i, rgb);
 
-        if (job->f != NULL) {
-            for (size_t k = 0; k < 3; k++)
-                c[k] = (double)job->f[k * job->plane + i];
-            flags = lcor_internal_correct_texel_f(p, c, light, rho, c);
-        } else {
-            load_linear(p, job->texels, i, c);
-            flags = lcor_internal_correct_pixel(p, c, light, rho, c);
-        }
-        store_encoded(p, job->out, i, c);
+        store_encoded(job->plan, job->out, i, rgb);
         if (job->stats != NULL && flags != 0)
             count(job->stats, job->row, i, flags);
     }
