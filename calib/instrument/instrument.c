@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { LINE_LIMIT = 256, WRITE_MS = 1000, QUIET_MS = 200, DRAIN_MS = 2000 };
+enum { LINE_LIMIT = 256, WRITE_MS = 1000, QUIET_MS = 100, DRAIN_MS = 2000, LATE_READS = 8 };
 
 void instrument_fact_set(instrument *in, const char *key, const char *value, size_t n)
 {
@@ -76,11 +76,17 @@ cal_status instrument_send(instrument *in, const char *command, cal_error *err)
     return status == CAL_OK ? status : instrument_fail(in, status, err);
 }
 
-cal_status instrument_fill(instrument *in, int timeout_ms)
+/* A busy machine may let this program look long after bytes came. What the system holds by then is
+ * read too; not for ever, since some ports never stop talking. */
+cal_status instrument_fill(instrument *in, int64_t deadline)
 {
     size_t got = 0;
+    const int left = transport_left(in->port, deadline);
+    in->late_reads = left > 0 ? 0 : in->late_reads + 1;
+    if (in->late_reads > LATE_READS)
+        return CAL_TIMEOUT;
     const cal_status status = in->port->ops->read(in->port, in->buffer + in->have,
-                                                  sizeof in->buffer - in->have, &got, timeout_ms);
+                                                  sizeof in->buffer - in->have, &got, left);
     in->have += got;
     return status;
 }
@@ -106,6 +112,15 @@ static bool holds_text(const instrument *in)
     return false;
 }
 
+static cal_status fail_unheard(const instrument *in, cal_error *err)
+{
+    if (in->noise == 0)
+        return instrument_fail(in, CAL_TIMEOUT, err);
+    return cal_fail(err, CAL_PROTOCOL,
+                    "'%s' sends text (%u times) but no reading of %s; is --instrument right?",
+                    in->port->name, in->noise, in->driver->title);
+}
+
 cal_status instrument_listen(instrument *in, int timeout_ms, reading *out, cal_error *err)
 {
     const int64_t deadline = in->port->ops->now_ms(in->port) + timeout_ms;
@@ -119,22 +134,17 @@ cal_status instrument_listen(instrument *in, int timeout_ms, reading *out, cal_e
             continue;
         case PARSE_MORE: break;
         }
-        const int left = transport_left(in->port, deadline);
-        if (left == 0 && in->noise > 0)
-            return cal_fail(err, CAL_PROTOCOL,
-                            "'%s' sends text (%u times) but no reading of %s; is --instrument "
-                            "right?",
-                            in->port->name, in->noise, in->driver->title);
-        if (left == 0)
-            return instrument_fail(in, CAL_TIMEOUT, err);
         /* A line that was begun is finished soon or never: cable noise, or half a reading from
          * before this program looked. */
         const bool begun = holds_text(in);
-        const int wait = begun && left > in->idle_ms ? in->idle_ms : left;
-        const cal_status status = instrument_fill(in, wait);
+        const int64_t idle = in->port->ops->now_ms(in->port) + in->idle_ms;
+        const bool last = !begun || idle >= deadline;
+        const cal_status status = instrument_fill(in, last ? deadline : idle);
         if (status == CAL_TIMEOUT) {
             in->noise += begun;
             in->have = 0;
+            if (last)
+                return fail_unheard(in, err);
         } else if (status != CAL_OK) {
             return instrument_fail(in, status, err);
         }

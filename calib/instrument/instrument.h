@@ -16,13 +16,17 @@ typedef enum reading_kind {
 typedef struct reading {
     reading_kind kind;
     double value;    /* visual density, or luminance */
-    double step;     /* value of the last digit given; 0: more digits than matter */
+    double step;     /* values closer than this are not told apart */
     bool has_colour; /* density[] holds red, green and blue too */
     double density[3];
     bool has_xyz;
     double xyz[3];
     bool clamped; /* at an end of the instrument's range: the truth may lie beyond */
 } reading;
+
+/* Step of a density that is sent as a floating-point number. Digits beyond it are arithmetic: a
+ * count of the sensor is some 0.0002 D in a dark print, and its noise is several counts. */
+#define FLOAT_DENSITY_STEP 0.001
 
 /* What a driver's parser makes of the bytes so far. */
 typedef enum parse_result {
@@ -98,6 +102,7 @@ struct instrument {
     uint8_t buffer[INSTRUMENT_BUFFER]; /* bytes no parser has taken yet */
     size_t have;
     unsigned noise; /* lines that were nothing we know */
+    int late_reads; /* since the deadline */
     int idle_ms;    /* longest pause inside a line */
 };
 
@@ -134,8 +139,8 @@ cal_status instrument_listen(instrument *in, int timeout_ms, reading *out, cal_e
 cal_status instrument_discard(instrument *in);
 /* Send a NUL-terminated command. */
 cal_status instrument_send(instrument *in, const char *command, cal_error *err);
-/* Read more bytes into the buffer. */
-cal_status instrument_fill(instrument *in, int timeout_ms);
+/* Read more bytes into the buffer; they may have come until `deadline` of the port's clock. */
+cal_status instrument_fill(instrument *in, int64_t deadline);
 /* Drop the first n bytes of the buffer. */
 void instrument_drop(instrument *in, size_t n);
 /* Explain a transport's failure. */

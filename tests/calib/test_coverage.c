@@ -4,6 +4,7 @@
  * rejection, median, Student's t. */
 #include "testing.h"
 
+#include "instrument/instrument.h"
 #include "session/judge.h"
 
 #include <lcor/profile.h>
@@ -13,7 +14,8 @@
 typedef struct device {
     double d_min, d_max;
     double noise[2]; /* standard deviation of a reading of white and of black */
-    double step;     /* the instrument's resolution; 0: float */
+    double step;     /* the instrument's resolution, */
+    bool rounds;     /* and whether its readings are rounded to it */
     double outliers; /* share of readings that went wrong by 0.05 to 0.14 */
     size_t readings;
 } device;
@@ -39,7 +41,7 @@ static double measure(const device *d, int black, uint64_t *state)
     double value = (black ? d->d_max : d->d_min) + d->noise[black] * normal(state);
     if (random_unit(state) < d->outliers)
         value += between(state, 0.05, 0.14) * (random_unit(state) < 0.5 ? -1.0 : 1.0);
-    return d->step > 0.0 ? floor(value / d->step + 0.5) * d->step : value;
+    return d->rounds ? floor(value / d->step + 0.5) * d->step : value;
 }
 
 /* 1 the interval holds the contrast, 0 it does not, -1 lccal would have refused the readings. */
@@ -72,10 +74,22 @@ static int trial(const device *d, uint64_t *state)
     return fabs(contrast - pow(10.0, d->d_max - d->d_min)) <= u95;
 }
 
+/* Two or three decimals on a display, and densities sent as floating-point numbers. */
+static const struct {
+    double step;
+    bool rounds;
+} resolutions[] = {{0.01, true}, {0.001, true}, {FLOAT_DENSITY_STEP, false}};
+
+static void set_resolution(device *d, size_t which)
+{
+    d->step = resolutions[which].step;
+    d->rounds = resolutions[which].rounds;
+}
+
 static device random_device(uint64_t *state)
 {
-    static const double steps[] = {0.01, 0.001, 0.0};
-    device d = {.step = steps[random_bits(state) % 3], .readings = 5};
+    device d = {.readings = 5};
+    set_resolution(&d, random_bits(state) % 3);
     d.d_min = between(state, 0.02, 0.12);
     d.d_max = d.d_min + log10(log_between(state, 6.0, 300.0));
     d.noise[0] = log_between(state, 0.001, 0.02);
@@ -144,7 +158,6 @@ static void one_reading_in_fifty_gone_wrong_does_no_harm(void **unused)
 static void each_step_and_noise_is_covered(void **unused)
 {
     (void)unused;
-    static const double steps[] = {0.01, 0.001, 0.0};
     static const double noises[] = {0.0, 0.001, 0.003, 0.006, 0.01, 0.02};
     static const size_t readings[] = {3, 5, 10};
     uint64_t state = 9;
@@ -153,17 +166,16 @@ static void each_step_and_noise_is_covered(void **unused)
             for (size_t n = 0; n < 3; n++) {
                 tally t = {0};
                 char what[80];
-                if (steps[s] == 0.0 && noises[k] == 0.0)
-                    continue; /* readings that agree to the last bit: nothing is known */
-                for (int i = 0; i < 1500; i++) {
+                for (int i = 0; i < 600; i++) {
                     device d = random_device(&state);
-                    d.step = steps[s];
+                    set_resolution(&d, s);
                     d.noise[0] = d.noise[1] = noises[k];
                     d.readings = readings[n];
                     count(&t, trial(&d, &state));
                 }
-                snprintf(what, sizeof what, "step %.3f noise %.3f, %zu readings", steps[s],
-                         noises[k], readings[n]);
+                snprintf(what, sizeof what, "step %.3f%s, noise %.3f, %zu readings",
+                         resolutions[s].step, resolutions[s].rounds ? "" : " (float)", noises[k],
+                         readings[n]);
                 check_coverage(what, t, 0.93, 1.0);
             }
 }

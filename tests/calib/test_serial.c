@@ -5,6 +5,7 @@
 #include "transport/transport.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <pthread.h>
 #include <string.h>
 #include <termios.h>
@@ -13,6 +14,7 @@
 
 typedef struct line_pair {
     int master;
+    int watcher; /* sees what lies in the port and takes nothing */
     transport *port;
 } line_pair;
 
@@ -24,6 +26,7 @@ static void open_pair(line_pair *p)
     assert_true(p->master >= 0);
     assert_int_equal(grantpt(p->master), 0);
     assert_int_equal(unlockpt(p->master), 0);
+    p->watcher = open(ptsname(p->master), O_RDWR | O_NOCTTY);
     cal_error err;
     assert_int_equal(serial_open(ptsname(p->master), &p->port, &err), CAL_OK);
     assert_int_equal(p->port->ops->configure(p->port, &plain), CAL_OK);
@@ -32,6 +35,7 @@ static void open_pair(line_pair *p)
 static void close_pair(line_pair *p)
 {
     p->port->ops->close(p->port);
+    close(p->watcher);
     if (p->master >= 0)
         close(p->master);
 }
@@ -41,13 +45,20 @@ static void say(const line_pair *p, const char *bytes, size_t n)
     assert_int_equal(write(p->master, bytes, n), (ssize_t)n);
 }
 
+/* A pseudo-terminal carries bytes over a moment later: wait until some lie in the port. */
+static void await(const line_pair *p)
+{
+    struct pollfd fd = {.fd = p->watcher, .events = POLLIN};
+    assert_int_equal(poll(&fd, 1, 60000), 1);
+}
+
 /* Read exactly n bytes. */
 static void hear(const line_pair *p, char *bytes, size_t n)
 {
     size_t have = 0;
     while (have < n) {
         size_t got;
-        assert_int_equal(p->port->ops->read(p->port, bytes + have, n - have, &got, 2000), CAL_OK);
+        assert_int_equal(p->port->ops->read(p->port, bytes + have, n - have, &got, 60000), CAL_OK);
         have += got;
     }
 }
@@ -181,14 +192,13 @@ static void what_lay_in_the_port_before_is_thrown_away(void **state)
     char text[5];
     open_pair(&p);
     say(&p, "stale\n", 6);
-    /* A pseudo-terminal carries the bytes over a moment later. */
-    const struct timespec moment = {0, 20000000};
-    nanosleep(&moment, NULL);
+    await(&p);
     assert_int_equal(p.port->ops->configure(p.port, &plain), CAL_OK);
     say(&p, "fresh", 5);
     hear(&p, text, 5);
     assert_memory_equal(text, "fresh", 5);
     say(&p, "noise", 5);
+    await(&p);
     assert_int_equal(transport_drain(p.port, 30, 1000), CAL_OK);
     say(&p, "after", 5);
     hear(&p, text, 5);

@@ -1,19 +1,25 @@
 # SPDX-License-Identifier: MIT
 """The real lccal against emulated instruments."""
 
+import contextlib
 import json
 import os
 import signal
 import subprocess
 import sys
-import time
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 SOURCE = Path(os.environ["LCOR_SOURCE"])
 LCCAL = Path(os.environ["LCOR_BINDIR"]) / "lccal"
-DEADLINE = 20  # seconds; reached only when something hangs
+DEADLINE = 60  # seconds; reached only when something hangs
 
 sys.path.insert(0, str(SOURCE / "bindings" / "python"))
+
+from lcor.emulator.__main__ import arguments  # noqa: E402
+from lcor.emulator.bench import Bench  # noqa: E402
+from lcor.emulator.channel import Unplugged  # noqa: E402
 
 
 def environment():
@@ -23,33 +29,42 @@ def environment():
 
 
 class Emulator:
-    """An emulated instrument on a pseudo-terminal, `port`."""
+    """An emulated instrument on a pseudo-terminal, `port`; it lives on a thread."""
 
     def __init__(self, *options):
-        command = [sys.executable, "-m", "lcor.emulator", *map(str, options)]
-        self.process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment(), text=True
-        )
-        self.port = self.process.stdout.readline().strip()
-        assert self.port, "the emulator did not start"
+        hand, self.hand = os.pipe()
+        self.bench = Bench(arguments(list(map(str, options))), hand)
+        self.port = self.bench.channel.name
+        self.spoken_to = threading.Event()
+        self.bench.instrument.receive = self.hear
+        self.thread = threading.Thread(target=self.run, daemon=True)
+        self.thread.start()
+
+    def run(self):
+        with contextlib.suppress(Unplugged):
+            self.bench.run()
+        self.bench.channel.close()
+        os.close(self.bench.hand)
+
+    def hear(self, data):
+        type(self.bench.instrument).receive(self.bench.instrument, data)
+        self.spoken_to.set()
 
     def press(self, *densities):
         """Somebody reads patches of these densities (emulators without --auto-press)."""
-        self.process.stdin.write("".join(f"{density}\n" for density in densities))
-        self.process.stdin.flush()
+        os.write(self.hand, "".join(f"{density}\n" for density in densities).encode())
 
     def unplug(self):
-        self.process.kill()
-        self.process.wait(DEADLINE)
+        os.close(self.hand)
+        self.hand = None
+        self.thread.join(DEADLINE)
 
     def __enter__(self):
         return self
 
     def __exit__(self, *exception):
-        self.process.kill()
-        self.process.stdin.close()
-        self.process.stdout.close()
-        self.process.wait(DEADLINE)
+        if self.hand is not None:
+            os.close(self.hand)
 
 
 def lccal(*arguments, **options):
@@ -115,9 +130,10 @@ class Session:
         self.process.communicate()
 
 
-def wait_quiet(seconds=0.3):
-    """Longer than lccal listens for stale readings after a prompt."""
-    time.sleep(seconds)
+def together(call, cases):
+    """{case: call(case)}: cases that spend their time waiting do so side by side."""
+    with ThreadPoolExecutor(len(cases)) as pool:
+        return dict(zip(cases, pool.map(call, cases)))
 
 
 def keyword(path, name):

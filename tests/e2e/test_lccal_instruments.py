@@ -6,7 +6,17 @@ import subprocess
 import sys
 
 import pytest
-from lccal_bench import LCCAL, Emulator, environment, events, keyword, lccal, rows
+from lccal_bench import (
+    DEADLINE,
+    LCCAL,
+    Emulator,
+    environment,
+    events,
+    keyword,
+    lccal,
+    rows,
+    together,
+)
 
 PRESETS = ["heiland-trd2", "xrite-400", "xrite-photo", "xrite-39x", "xrite-500", "technet",
            "technet-adv", "tobias-tbx", "macbeth-900", "generic"]
@@ -16,7 +26,7 @@ def densities(path):
     return [float(row[-2]) for row in rows(path)]
 
 
-def measure(profile, *emulator, instrument, readings=2, timeout=8):
+def measure(profile, *emulator, instrument, readings=2, timeout=20):
     with Emulator("--auto-press", readings, *emulator) as device:
         return lccal("--port", device.port, "--instrument", instrument, "--yes", "--readings",
                      readings, "--timeout", timeout, "-o", profile)
@@ -46,21 +56,29 @@ def test_line_that_is_no_reading_is_waited_out(tmp_path, preset, fault):
     assert densities(profile) == [0.07, 0.07, 1.44, 1.44]
 
 
-@pytest.mark.parametrize("preset", PRESETS)
-@pytest.mark.parametrize("fault", ["damaged", "garbage-inside"])
-def test_damaged_line_is_no_reading(tmp_path, preset, fault):
-    run = measure(tmp_path / "p.cgats", "--model", f"line:{preset}", "--fault", fault,
-                  instrument=f"line:{preset}", readings=1, timeout=0.4)
+NO_READINGS = [(preset, fault) for preset in PRESETS for fault in ("damaged", "garbage-inside")]
+NO_READINGS.append(("xrite-400", "colour-only"))  # nothing of the visual filter
+
+
+@pytest.fixture(scope="module")
+def unread(tmp_path_factory):
+    """All of them at once, since each waits for a reading that never comes."""
+    def wait(case):
+        preset, fault = case
+        profile = tmp_path_factory.mktemp(preset) / "p.cgats"
+        run = measure(profile, "--model", f"line:{preset}", "--fault", fault,
+                      instrument=f"line:{preset}", readings=1, timeout=2)
+        return run, profile
+
+    return together(wait, NO_READINGS)
+
+
+@pytest.mark.parametrize("case", NO_READINGS, ids="-".join)
+def test_damaged_line_is_no_reading(unread, case):
+    run, profile = unread[case]
     assert run.returncode == 5, run.stderr
     assert "no reading" in run.stderr
-    assert not (tmp_path / "p.cgats").exists()
-
-
-def test_line_without_the_visual_filter_is_no_reading(tmp_path):
-    run = measure(tmp_path / "p.cgats", "--model", "line:xrite-400", "--fault", "colour-only",
-                  instrument="line:xrite-400", readings=1, timeout=0.4)
-    assert run.returncode == 5
-    assert "no reading" in run.stderr
+    assert not profile.exists()
 
 
 def test_line_options_change_the_preset(tmp_path):
@@ -114,7 +132,7 @@ def on_usb(*arguments, emulator=()):
     env = environment() | {"ASAN_OPTIONS": "verify_asan_link_order=0:detect_leaks=0"}
     command = [wrapper, python, "-m", "lcor.emulator", "--model", "colorhug2", *emulator, "--",
                LCCAL, *arguments]
-    run = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=20,
+    run = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=DEADLINE,
                          env=env, check=False)
     if run.returncode == 77:
         pytest.skip(run.stderr)
@@ -123,7 +141,7 @@ def on_usb(*arguments, emulator=()):
     return run
 
 
-def colorhug(profile, *emulator, port="hid:273f:1004", instrument="auto", timeout=2):
+def colorhug(profile, *emulator, port="hid:273f:1004", instrument="auto", timeout=20):
     return on_usb("--port", port, "--instrument", instrument, "--yes", "--readings", 2,
                   "--timeout", timeout, "--json", "-o", profile,
                   emulator=("--auto-press", 2, *emulator))

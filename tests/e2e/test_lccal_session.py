@@ -33,6 +33,16 @@ def test_extended_format_gives_more_digits_than_the_display(tmp_path):
     assert float(rows(profile)[0][5]) == pytest.approx(0.0712, abs=1e-6)
 
 
+def test_equal_readings_are_known_no_better_than_the_instrument_resolves(tmp_path):
+    profile = tmp_path / "p.cgats"
+    with Emulator("--auto-press", 5) as device:
+        run = lccal("--port", device.port, "--yes", "-o", profile)
+    assert run.returncode == 0, run.stderr
+    # Two patches, each rounded to 0.001 D: u = 0.001 / sqrt(12) of each.
+    u95 = 1.96 * 23.4 * math.log(10) * 0.001 * math.sqrt(2 / 12)
+    assert float(keyword(profile, "LCOR_CONTRAST_U95")) == pytest.approx(u95, rel=1e-3)
+
+
 def test_black_first_is_recognised(tmp_path):
     profile = tmp_path / "p.cgats"
     with Emulator("--auto-press", 2, "--order", "bw") as device:

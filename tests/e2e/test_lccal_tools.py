@@ -107,6 +107,7 @@ def test_emulator_answers_on_a_serial_port_too():
         reply = b""
         while not reply.endswith(b"\n"):
             reply += os.read(master, 100)
+        device.unplug()
     assert reply == b'GS V,"Printalyzer Densitometer","v1.1.0"\r\n'
     os.close(master)
     os.close(slave)

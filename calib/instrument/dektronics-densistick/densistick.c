@@ -323,6 +323,7 @@ static cal_status measure(instrument *in, int timeout_ms, reading *out, cal_erro
     memset(out, 0, sizeof *out);
     out->kind = READING_REFLECTION;
     out->value = densistick_density(&calibration, count, gain);
+    out->step = FLOAT_DENSITY_STEP;
     return CAL_OK;
 }
 

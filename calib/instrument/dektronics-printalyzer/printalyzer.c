@@ -66,7 +66,7 @@ static bool parse_line(const uint8_t *text, size_t n, reading *out)
     if (n > BASIC_LENGTH) {
         if (!parse_extended(text + BASIC_LENGTH, n - BASIC_LENGTH, density, &density))
             return false;
-        out->step = 0.0;
+        out->step = FLOAT_DENSITY_STEP;
     }
     const double top = text[0] == 'R' ? 2.5 : 5.0;
     out->kind = text[0] == 'R' ? READING_REFLECTION : READING_TRANSMISSION;
@@ -146,8 +146,7 @@ static cal_status ask(instrument *in, const char *command, const char *argument,
                 return CAL_OK;
             if (in->have == sizeof in->buffer)
                 instrument_drop(in, in->have / 2);
-            const int left = transport_left(in->port, deadline);
-            status = left > 0 ? instrument_fill(in, left) : CAL_TIMEOUT;
+            status = instrument_fill(in, deadline);
             if (status == CAL_TIMEOUT)
                 break;
             if (status != CAL_OK)
@@ -279,12 +278,12 @@ static cal_status identify(instrument *in, int timeout_ms, cal_error *err)
     status = ask(in, "SM FORMAT", "EXT", timeout_ms, reply, sizeof reply, err);
     if (status != CAL_OK)
         return status;
-    /* Refusing the extended format is no failure: two decimals do. Readings from before are in
-     * the other format, and older than the first prompt. */
-    instrument_fact_set(in, "format", strcmp(reply, "OK") == 0 ? "extended" : "basic",
-                        strcmp(reply, "OK") == 0 ? 8 : 5);
+    /* Refusing the extended format is no failure: two decimals do. */
+    const bool extended = strcmp(reply, "OK") == 0;
+    instrument_fact_set(in, "format", extended ? "extended" : "basic", extended ? 8 : 5);
+    /* Readings in the basic format are older than the extended one. */
     size_t start, length, used;
-    while (line_split(in->buffer, in->have, &start, &length, &used) == PARSE_OK &&
+    while (extended && line_split(in->buffer, in->have, &start, &length, &used) == PARSE_OK &&
            length == BASIC_LENGTH)
         instrument_drop(in, used);
     return interview(in, timeout_ms, err);

@@ -26,6 +26,9 @@ enum {
     STALE_LIMIT = 16
 };
 
+/* cd/m2: the fixed-point fraction has more digits than the sensor tells apart. */
+#define LUMINANCE_STEP 0.001
+
 static int32_t get_i32(const uint8_t *b)
 {
     const uint32_t u =
@@ -52,7 +55,7 @@ parse_result colorhug2_parse(const line_format *format, const uint8_t *bytes, si
     for (size_t i = 0; i < 3; i++)
         out->xyz[i] = get_fixed(bytes + HEADER + 4 * i);
     out->value = out->xyz[1];
-    out->step = 1.0 / 65536.0;
+    out->step = LUMINANCE_STEP;
     return PARSE_OK;
 }
 

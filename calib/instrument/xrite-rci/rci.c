@@ -137,8 +137,7 @@ static cal_status ask(instrument *in, const char *command, int timeout_ms, size_
             continue;
         case PARSE_MORE: break;
         }
-        const int left = transport_left(in->port, deadline);
-        result = left > 0 ? instrument_fill(in, left) : CAL_TIMEOUT;
+        result = instrument_fill(in, deadline);
         if (result == CAL_TIMEOUT && in->have + in->noise > 0)
             result = CAL_PROTOCOL;
         if (result != CAL_OK)
@@ -173,6 +172,7 @@ static cal_status command(instrument *in, const char *text, int timeout_ms, cal_
 static cal_status find_rate(instrument *in, int timeout_ms, cal_error *err)
 {
     static const int rates[] = {9600, 19200, 38400, 57600, 4800, 2400, 1200, 600, 300};
+    bool spoke = false;
     for (size_t i = 0; i < sizeof rates / sizeof rates[0]; i++) {
         const line_settings line = {
             .baud = rates[i], .data_bits = 8, .parity = 'N', .stop_bits = 1};
@@ -191,8 +191,9 @@ static cal_status find_rate(instrument *in, int timeout_ms, cal_error *err)
         }
         if (result != CAL_TIMEOUT && result != CAL_PROTOCOL)
             return result;
+        spoke = spoke || result == CAL_PROTOCOL;
     }
-    return instrument_fail(in, CAL_TIMEOUT, err);
+    return instrument_fail(in, spoke ? CAL_PROTOCOL : CAL_TIMEOUT, err);
 }
 
 /* SV answers "X-Rite DTP41..." and may be split over lines. */

@@ -2,8 +2,11 @@
 """What an emulated instrument is plugged into: a pseudo-terminal or a real serial port."""
 
 import errno
+import fcntl
 import os
 import select
+import struct
+import termios
 import tty
 from typing import Optional
 
@@ -12,14 +15,21 @@ class Unplugged(Exception):
     """The emulated cable is out; nothing more can be said."""
 
 
+FLUSH_READ = 1  # TIOCPKT_FLUSHREAD: the program has dropped what came before
+
+
 class Pty:
-    """The far end of a pseudo-terminal. `name` is what the program under test opens."""
+    """The far end of a pseudo-terminal. `name` is what the program under test opens;
+    `listened_to`: it has set the port up, so that what is said from now on is heard."""
 
     def __init__(self) -> None:
         self.master, slave = os.openpty()
         tty.setraw(slave)  # before anybody opens it, or the line discipline echoes
         self.name = os.ttyname(slave)
         os.close(slave)  # so that the program's closing shows as a hang-up
+        # Packet mode: every read starts with a byte that tells what the program does to the port.
+        fcntl.ioctl(self.master, termios.TIOCPKT, struct.pack("i", 1))
+        self.listened_to = False
 
     def wait(self, seconds: float, others: list[int]) -> tuple[Optional[bytes], list[int]]:
         """Bytes that arrived (b"" for none, None while nobody has the port open), and which of
@@ -32,15 +42,22 @@ class Pty:
         events = ready.pop(self.master, 0)
         data: Optional[bytes] = b""
         if events & select.POLLIN:
-            try:
-                data = os.read(self.master, 4096)
-            except OSError as error:
-                if error.errno != errno.EIO:
-                    raise
-                data = None
+            data = self.read()
         elif events & (select.POLLHUP | select.POLLERR):
             data = None
+        if data is None:
+            self.listened_to = False
         return data, list(ready)
+
+    def read(self) -> Optional[bytes]:
+        try:
+            packet = os.read(self.master, 4096)
+        except OSError as error:
+            if error.errno != errno.EIO:
+                raise
+            return None
+        self.listened_to = self.listened_to or bool(packet[0] & FLUSH_READ)
+        return packet[1:]
 
     def write(self, data: bytes) -> None:
         os.write(self.master, data)
@@ -51,6 +68,8 @@ class Pty:
 
 class SerialPort:
     """A real port through pyserial, for instance one end of a null-modem cable."""
+
+    listened_to = True  # nothing tells
 
     def __init__(self, name: str, baud: int) -> None:
         import serial

@@ -5,7 +5,7 @@ A fault is NAME or NAME=VALUE. Those of the wire work on every model:
 
     silence            never says anything
     slow=SECONDS       waits before every message
-    chunk=BYTES        sends messages in pieces, 5 ms apart
+    chunk=BYTES        sends messages in pieces, 1 ms apart
     cut=BYTES          the first reading stops after so many bytes, and nothing follows
     garbage-before     noise, then the message
     garbage-inside     noise in the middle of the message
@@ -22,7 +22,7 @@ import time
 from .channel import Unplugged
 
 NOISE = bytes([0xFF, 0x00, 0x80, 0x1B, 0x11, 0x13, 0x03, 0x04, 0x1A]) + b"\n"
-PIECE_PAUSE = 0.005
+PIECE_PAUSE = 0.001
 
 
 class Faults:
