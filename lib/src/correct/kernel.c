@@ -32,13 +32,15 @@
 #define ISA(name) name##_base
 #define ISA_NAME  "base"
 #define TARGET
-#define INT_ORDER 1
+#define THREES 0
 #include "correct/kernel_template.h"
 #undef ISA
 #undef ISA_NAME
 #undef TARGET
+#undef THREES
 
 #ifdef LCOR_HAVE_X86
+#define THREES 1
 
 #define ISA(name) name##_avx2
 #define ISA_NAME  "avx2"
@@ -60,7 +62,7 @@
 #undef ISA_NAME
 #undef TARGET
 
-#undef INT_ORDER
+#undef THREES
 #endif
 
 #ifdef LCOR_HAVE_X86
