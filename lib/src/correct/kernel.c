@@ -32,15 +32,13 @@
 #define ISA(name) name##_base
 #define ISA_NAME  "base"
 #define TARGET
-#define THREES 0
+#define INT_ORDER 1
 #include "correct/kernel_template.h"
 #undef ISA
 #undef ISA_NAME
 #undef TARGET
-#undef THREES
 
 #ifdef LCOR_HAVE_X86
-#define THREES 1
 
 #define ISA(name) name##_avx2
 #define ISA_NAME  "avx2"
@@ -62,7 +60,7 @@
 #undef ISA_NAME
 #undef TARGET
 
-#undef THREES
+#undef INT_ORDER
 #endif
 
 #ifdef LCOR_HAVE_X86

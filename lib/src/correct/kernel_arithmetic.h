@@ -17,20 +17,27 @@ INNER float ISA(from_bits)(int32_t i)
     return x;
 }
 
-/* The larger or smaller of x and a constant c >= 0. Floats order as their bits do there, and of
- * integers every compiler makes one instruction, where the set has it, and no jump. */
+/* The larger or smaller of x and a constant c >= 0. Floats order as their bits do there. */
 INNER float ISA(at_least)(float x, float c)
 {
+#if INT_ORDER
     const int32_t a = ISA(bits)(x), b = ISA(bits)(c);
 
     return ISA(from_bits)(a > b ? a : b);
+#else
+    return x > c ? x : c;
+#endif
 }
 
 INNER float ISA(at_most)(float x, float c)
 {
+#if INT_ORDER
     const int32_t a = ISA(bits)(x), b = ISA(bits)(c);
 
     return ISA(from_bits)(a < b ? a : b);
+#else
+    return x < c ? x : c;
+#endif
 }
 
 INNER float ISA(clamp)(float x) { return ISA(at_most)(ISA(at_least)(x, 0.0f), 1.0f); }

@@ -2,8 +2,7 @@
 /* The loops of the float path for one instruction set. Included by kernel.c with
  *   ISA(name)   the name with the set's suffix, ISA_NAME the set's name
  *   TARGET      the attribute that turns the set on, or nothing
- *   THREES      1 if gcc finds shuffles between three planes and interleaved pixels; else these
- *               moves get loops of their own and do not hold up the others
+ *   INT_ORDER   1 if the set compares integers as fast as floats: then gcc finds the instruction
  * All loops run over whole blocks, so their length is known, and use no operation whose result
  * could differ between sets: no fused multiply-add, no reciprocal estimates, no reordered sums. */
 
@@ -12,29 +11,92 @@
 
 #include "correct/kernel_arithmetic.h"
 
-/* The sign bit is set if a value is negative (or -0), NaN, infinite or 2^64 and more. */
-INNER int32_t ISA(suspect)(float x)
+/* Samples of some planes as floats in 0..1. */
+STAGE void ISA(widen)(lcor_sample type, const void *from, size_t planes, float *restrict to)
 {
-    const uint32_t u = (uint32_t)ISA(bits)(x);
+    if (type == LCOR_U8) {
+        const uint8_t *restrict s = from;
 
-    return (int32_t)(u | (u + 0x20800000u));
+        for (; planes > 0; planes--, s += LCOR_BLOCK, to += LCOR_BLOCK)
+            EACH (j, LCOR_BLOCK)
+                to[j] = (float)s[j] * (1.0f / 255.0f);
+    } else {
+        const uint16_t *restrict s = from;
+
+        for (; planes > 0; planes--, s += LCOR_BLOCK, to += LCOR_BLOCK)
+            EACH (j, LCOR_BLOCK)
+                to[j] = (float)s[j] * (1.0f / 65535.0f);
+    }
 }
 
-/* T, and v of Ynew = clamp(v y + w). */
-STAGE int32_t ISA(maps)(const lcor_plan *p, const float *restrict i, const float *restrict rho,
-                        lcor_block *restrict b)
+/* Floats, clamped, as samples; halves go up. */
+STAGE void ISA(narrow)(lcor_sample type, const float *restrict from, size_t planes, void *to)
+{
+    if (type == LCOR_U8) {
+        uint8_t *restrict d = to;
+
+        for (; planes > 0; planes--, d += LCOR_BLOCK, from += LCOR_BLOCK)
+            EACH (j, LCOR_BLOCK)
+                d[j] = (uint8_t)(int32_t)(ISA(clamp)(from[j]) * 255.0f + 0.5f);
+    } else {
+        uint16_t *restrict d = to;
+
+        for (; planes > 0; planes--, d += LCOR_BLOCK, from += LCOR_BLOCK)
+            EACH (j, LCOR_BLOCK)
+                d[j] = (uint16_t)(int32_t)(ISA(clamp)(from[j]) * 65535.0f + 0.5f);
+    }
+}
+
+STAGE void ISA(separate)(const float *restrict s, lcor_block *restrict b)
+{
+    EACH (j, LCOR_BLOCK) {
+        b->c[0][j] = s[3 * j];
+        b->c[1][j] = s[3 * j + 1];
+        b->c[2][j] = s[3 * j + 2];
+    }
+}
+
+/* Clamped, since that costs nothing here. */
+STAGE void ISA(interleave)(const lcor_block *restrict b, float *restrict d)
+{
+    EACH (j, LCOR_BLOCK) {
+        d[3 * j] = ISA(clamp)(b->c[0][j]);
+        d[3 * j + 1] = ISA(clamp)(b->c[1][j]);
+        d[3 * j + 2] = ISA(clamp)(b->c[2][j]);
+    }
+}
+
+STAGE void ISA(clamp_plane)(const float *restrict from, float *restrict to)
+{
+    EACH (j, LCOR_BLOCK)
+        to[j] = ISA(clamp)(from[j]);
+}
+
+/* A transfer function, or its inverse, over a plane: a straight line up to a knee, then a power. */
+STAGE void ISA(transfer)(const lcor_power *p, float *restrict c)
+{
+    const lcor_power q = *p;
+
+    EACH (j, LCOR_BLOCK) {
+        const float x = ISA(at_most)(ISA(at_least)(c[j], 0.0f), q.top);
+        const float y = q.scale * ISA(pow)(x * q.in_scale + q.in_offset, q.exponent) + q.offset;
+
+        c[j] = x > q.knee ? y : x * q.slope;
+    }
+}
+
+/* T, and v of Ynew = clamp(v y + w), from float maps of a full block. */
+STAGE void ISA(maps)(const lcor_plan *p, const float *restrict i, const float *restrict rho,
+                     lcor_block *restrict b)
 {
     const lcor_kernel_constants *k = &p->k;
     const float offset = k->offset;
-    int32_t suspect = 0;
 
     if (p->reading == LCOR_READING_TEXEL) {
         const float slope = k->slope_texel;
 
-        EACH (j, LCOR_BLOCK) {
+        EACH (j, LCOR_BLOCK)
             b->v[j] = ISA(at_most)(i[j] * slope, 1e30f);
-            suspect |= ISA(suspect)(i[j]);
-        }
     } else if (rho != NULL) {
         const float slope = k->slope, ratio = k->ratio;
 
@@ -43,7 +105,6 @@ STAGE int32_t ISA(maps)(const lcor_plan *p, const float *restrict i, const float
 
             b->t[j] = t;
             b->v[j] = t > 0.0f ? ISA(at_most)(t * ratio / rho[j], 1e30f) : 0.0f; /* rule S1 */
-            suspect |= ISA(suspect)(i[j]) | ISA(suspect)(rho[j]);
         }
     } else {
         const float slope = k->slope_rho, over_rho = k->over_rho;
@@ -53,41 +114,22 @@ STAGE int32_t ISA(maps)(const lcor_plan *p, const float *restrict i, const float
 
             b->t[j] = t;
             b->v[j] = ISA(at_most)(ISA(at_least)(t, 0.0f) * over_rho, 1e30f);
-            suspect |= ISA(suspect)(i[j]);
         }
     }
-    return suspect;
 }
 
-STAGE void ISA(widen)(lcor_sample type, const void *from, float *restrict to)
+/* Is a value negative (or -0), NaN, infinite or 2^64 and more? */
+STAGE int ISA(any_suspect)(const float *restrict x, size_t planes)
 {
-    if (type == LCOR_U8) {
-        const uint8_t *restrict s = from;
+    uint32_t any = 0;
 
-        EACH (j, 3 * LCOR_BLOCK)
-            to[j] = (float)s[j] * (1.0f / 255.0f);
-    } else {
-        const uint16_t *restrict s = from;
+    for (; planes > 0; planes--, x += LCOR_BLOCK)
+        EACH (j, LCOR_BLOCK) {
+            const uint32_t u = (uint32_t)ISA(bits)(x[j]);
 
-        EACH (j, 3 * LCOR_BLOCK)
-            to[j] = (float)s[j] * (1.0f / 65535.0f);
-    }
-}
-
-/* A transfer function, or its inverse: a straight line up to a knee, then a power. */
-STAGE int32_t ISA(transfer)(const lcor_power *p, float *restrict c)
-{
-    const lcor_power q = *p;
-    int32_t suspect = 0;
-
-    EACH (j, LCOR_BLOCK) {
-        const float x = ISA(at_most)(ISA(at_least)(c[j], 0.0f), q.top);
-        const float y = q.scale * ISA(pow)(x * q.in_scale + q.in_offset, q.exponent) + q.offset;
-
-        suspect |= ISA(suspect)(c[j]);
-        c[j] = x > q.knee ? y : x * q.slope;
-    }
-    return suspect;
+            any |= u | (u + 0x20800000u); /* the sign bit */
+        }
+    return any >> 31 != 0;
 }
 
 /* J < J1 and J > J2 of eq 8 */
@@ -103,29 +145,15 @@ STAGE void ISA(count)(const float *restrict t, lcor_row_stats *stats)
     stats->clipped_high += high;
 }
 
-#if THREES
-#define CHANNEL(k) rgb[3 * j + (k)]
-#else
-#define CHANNEL(k) split[k][j]
-#endif
-
 /* Linear RGB to X, Y, Z over white; Ynew. */
-STAGE int32_t ISA(lightness)(const lcor_kernel_constants *k, const float *restrict rgb,
-                             lcor_block *restrict b)
+STAGE void ISA(lightness)(const lcor_kernel_constants *k, lcor_block *restrict b)
 {
     const float x_r = k->m[0][0], x_g = k->m[0][1], x_b = k->m[0][2];
     const float y_r = k->m[1][0], y_g = k->m[1][1], y_b = k->m[1][2];
     const float z_r = k->m[2][0], z_g = k->m[2][1], z_b = k->m[2][2], w = k->w;
-    int32_t suspect = 0;
-#if !THREES
-    float LCOR_ALIGNED split[3][LCOR_BLOCK];
 
-    EACH (j, LCOR_BLOCK)
-        for (int i = 0; i < 3; i++)
-            split[i][j] = rgb[3 * j + (size_t)i];
-#endif
     EACH (j, LCOR_BLOCK) {
-        const float r = CHANNEL(0), g = CHANNEL(1), bl = CHANNEL(2);
+        const float r = b->c[0][j], g = b->c[1][j], bl = b->c[2][j];
         const float y = r * y_r + g * y_g + bl * y_b; /* eq 1 */
         const float t = b->v[j] * y + w;              /* eq 11; T itself where w is not 0 */
 
@@ -133,32 +161,25 @@ STAGE int32_t ISA(lightness)(const lcor_kernel_constants *k, const float *restri
         b->c[1][j] = y;
         b->c[2][j] = r * z_r + g * z_g + bl * z_b;
         b->c[3][j] = b->y_new[j] = ISA(clamp)(t); /* rule S7 */
-        b->t[j] = w < 0.0f ? t : b->t[j];
-        suspect |= ISA(suspect)(r) | ISA(suspect)(g) | ISA(suspect)(bl);
+        b->t[j] = t;
     }
-    return suspect;
 }
 
 /* The same where fx, fy, fz of a converted texture are there already; they become 1 - f. */
-STAGE int32_t ISA(lightness_of_f)(const lcor_kernel_constants *k, const float *restrict f,
-                                  size_t plane, lcor_block *restrict b)
+STAGE void ISA(lightness_of_f)(const lcor_kernel_constants *k, lcor_block *restrict b)
 {
-    const float *restrict f_x = f, *restrict f_y = f + plane, *restrict f_z = f + 2 * plane;
     const float w = k->w;
-    int32_t suspect = 0;
 
     EACH (j, LCOR_BLOCK) {
-        const float fx = f_x[j], fy = f_y[j], fz = f_z[j];
+        const float fy = b->c[1][j];
         const float t = b->v[j] * ISA(f_inverse)(fy) + w;
 
-        b->c[0][j] = 1.0f - fx;
+        b->c[0][j] = 1.0f - b->c[0][j];
         b->c[1][j] = 1.0f - fy;
-        b->c[2][j] = 1.0f - fz;
+        b->c[2][j] = 1.0f - b->c[2][j];
         b->c[3][j] = b->y_new[j] = ISA(clamp)(t);
-        b->t[j] = w < 0.0f ? t : b->t[j];
-        suspect |= ISA(suspect)(fx) | ISA(suspect)(fy) | ISA(suspect)(fz);
+        b->t[j] = t;
     }
-    return suspect;
 }
 
 /* 1 - f of eqs 2-4 over planes. */
@@ -205,46 +226,11 @@ STAGE void ISA(find_outside)(const lcor_block *restrict b, int32_t *restrict out
     }
 }
 
-/* RGB clamped to 0..1, as pixels. */
-STAGE void ISA(interleave)(lcor_block *restrict b, float *restrict to)
-{
-#if THREES
-    EACH (j, LCOR_BLOCK) {
-        to[3 * j] = ISA(clamp)(b->c[0][j]);
-        to[3 * j + 1] = ISA(clamp)(b->c[1][j]);
-        to[3 * j + 2] = ISA(clamp)(b->c[2][j]);
-    }
-#else
-    for (int i = 0; i < 3; i++)
-        EACH (j, LCOR_BLOCK)
-            b->c[i][j] = ISA(clamp)(b->c[i][j]);
-    EACH (j, LCOR_BLOCK)
-        for (int i = 0; i < 3; i++)
-            to[3 * j + (size_t)i] = b->c[i][j];
-#endif
-}
-
-/* 0..1 to codes; halves go up. */
-STAGE void ISA(narrow)(lcor_sample type, const float *restrict from, void *to)
-{
-    if (type == LCOR_U8) {
-        uint8_t *restrict d = to;
-
-        EACH (j, 3 * LCOR_BLOCK)
-            d[j] = (uint8_t)(int32_t)(from[j] * 255.0f + 0.5f);
-    } else {
-        uint16_t *restrict d = to;
-
-        EACH (j, 3 * LCOR_BLOCK)
-            d[j] = (uint16_t)(int32_t)(from[j] * 65535.0f + 0.5f);
-    }
-}
-
 static const lcor_kernel ISA(kernel) = {
-    ISA_NAME,   ISA(maps), ISA(widen),  ISA(transfer),     ISA(lightness),  ISA(lightness_of_f),
-    ISA(count), ISA(g),    ISA(chroma), ISA(find_outside), ISA(interleave), ISA(narrow)};
+    ISA_NAME,         ISA(separate),       ISA(interleave),  ISA(widen),  ISA(narrow),
+    ISA(clamp_plane), ISA(maps),           ISA(any_suspect), ISA(count),  ISA(transfer),
+    ISA(lightness),   ISA(lightness_of_f), ISA(g),           ISA(chroma), ISA(find_outside)};
 
 #undef INNER
-#undef CHANNEL
 #undef STAGE
 #undef G_BLACK

@@ -37,7 +37,7 @@ struct lcor_solution {
     double done; /* last progress reported */
 };
 
-extern const engine engine_links;
+extern const engine engine_links, engine_gather;
 
 /* Whether max_seconds have passed, or `bytes` are more than max_bytes. */
 int engine_over_limit(const lcor_solution *s, uint64_t bytes);

@@ -62,7 +62,7 @@ static lcor_status check_options(lcor_radiosity_options *o, lcor_error *err)
                                   "radiosity: tolerance must be 1e-5 .. 1");
     if (o->channels != 0 && o->channels != 1 && o->channels != 3)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "radiosity: channels must be 0, 1 or 3");
-    if (o->engine != LCOR_ENGINE_AUTO && o->engine != LCOR_ENGINE_LINKS)
+    if (o->engine < LCOR_ENGINE_AUTO || o->engine > LCOR_ENGINE_GATHER)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "radiosity: there is no such engine");
     if (o->norm != LCOR_NORM_RMS && o->norm != LCOR_NORM_MAX)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "radiosity: unknown norm");
@@ -74,7 +74,18 @@ static lcor_status check_options(lcor_radiosity_options *o, lcor_error *err)
     return LCOR_OK;
 }
 
-static const engine *choose_engine(void) { return &engine_links; }
+/* Links compare surfaces pair by pair, and clip what is hidden: right for rooms of few surfaces. */
+static const engine *choose_engine(const lcor_scene *scene, lcor_engine wanted)
+{
+    const size_t links_most = scene->convex ? 512 : 64;
+
+    switch (wanted) {
+    case LCOR_ENGINE_LINKS: return &engine_links;
+    case LCOR_ENGINE_GATHER: return &engine_gather;
+    case LCOR_ENGINE_AUTO: break;
+    }
+    return scene->surfaces.count <= links_most ? &engine_links : &engine_gather;
+}
 
 /* Channels and what depends on them, then the engine's own structures. */
 static lcor_status prepare(lcor_solution *s, lcor_error *err)
@@ -132,7 +143,7 @@ lcor_status lcor_radiosity_solve(const lcor_scene *scene, const lcor_radiosity_o
     s->allocator = own;
     s->scene = scene;
     s->options = o;
-    s->engine = choose_engine();
+    s->engine = choose_engine(scene, o.engine);
     s->lights.scene = scene;
     memcpy(s->lights.luminance, o.luminance, sizeof s->lights.luminance);
     s->lights.open = lcor_internal_alloc(&own, scene->lights.count);

@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: MIT */
+/* Engine `gather`: a coarse ray-sampled field of the reflected light, and a quasi-Monte-Carlo
+ * gathering of it wherever irradiance is asked for. docs/RADIOSITY.md tells how it works. */
+#ifndef LCOR_RADIOSITY_GATHER_H
+#define LCOR_RADIOSITY_GATHER_H
+
+#include "radiosity/engine.h"
+#include "radiosity/gather_guide.h"
+#include "radiosity/gather_random.h"
+
+#include "base/array.h"
+
+#include <math.h>
+
+enum { GATHER_TERMS = 6, GATHER_CHANNELS = 3 };
+
+static const uint32_t gather_none = UINT32_MAX; /* no surface, side or leaf */
+
+/* Coplanar surfaces that touch share a plane, with orthonormal coordinates u, v. Irradiance does
+ * not depend on the reflectance of what receives it, so looks may differ. */
+typedef struct gather_plane {
+    double origin[3], u[3], v[3], normal[3];
+    size_t first, count; /* in gather.members */
+} gather_plane;
+
+/* A triangle or parallelogram of a surface, numbered as the ray structure does. */
+typedef struct gather_prim {
+    uint32_t surface;
+    uint32_t corner;    /* a polygon's fan: between this corner and the next */
+    double area_before; /* of all before it */
+} gather_prim;
+
+/* Side 2 i of plane i is the one its normal points to. */
+typedef struct gather_side {
+    int32_t root;    /* node, or -1: no field, rays go on from here */
+    uint32_t hits;   /* by probing rays */
+    double reflects; /* area that reflects, of either look */
+} gather_side;
+
+typedef struct gather_node { /* of a side's kd tree */
+    int axis;
+    double at;
+    int32_t child[2], leaf; /* leaf -1: split */
+} gather_node;
+
+typedef struct gather_piece { /* a triangle of a surface, or what splits left of it */
+    double corner[3][2];
+    double area_before; /* of the leaf's pieces up to this one */
+    uint32_t surface;
+} gather_piece;
+
+/* The reflected irradiance on a leaf is a polynomial of degree 0, 1 or 2 in coordinates -1..1. */
+typedef struct gather_leaf {
+    uint32_t side;
+    int32_t node;
+    size_t first_piece, piece_count;
+    double centre[2], half[2], area;
+    double ray_length; /* harmonic mean */
+    int terms;         /* 1, 3 or 6; 0: the leaf was split */
+    size_t slot;       /* number among those that were not */
+    uint64_t rays;
+    size_t first_record, record_count;
+    double inverse[GATHER_TERMS * GATHER_TERMS]; /* of the normal equations */
+} gather_leaf;
+
+/* One ray of a leaf: irradiance = source + through * field where it ended. */
+typedef struct gather_record {
+    float from[2]; /* where it left, -1..1 */
+    float at[2];   /* and ended, in the plane */
+    uint32_t leaf; /* or gather_none */
+} gather_record;
+
+/* What a request needs; each round that misses it asks for more. */
+typedef struct gather_effort {
+    double leaf_size; /* of the harmonic mean ray length, and less until there are */
+    size_t leaves;    /* so many */
+    double rays;      /* a leaf, on average */
+    double near;      /* rays shorter than so many leaf sizes go on instead of reading the field */
+    double stop;      /* change by the last doubling, relative */
+} gather_effort;
+
+typedef struct gather {
+    lcor_solution *solution;
+    const lcor_scene *scene;
+    const lcor_allocator *allocator;
+    int channels;
+    sobol sobol;
+    double *reflectance, *emission; /* per surface and channel */
+    double touch;                   /* rays start and end this far from surfaces */
+
+    lcor_array planes, members; /* gather_plane; uint32_t: surfaces by plane */
+    uint32_t *plane_of;         /* per surface */
+    signed char *facing;        /* per surface: 1 if its normal is the plane's, else -1 */
+    gather_side *sides;
+    lcor_array prims; /* gather_prim, and a last one with the area of all */
+
+    lcor_array nodes, leaves, pieces;
+    size_t probed;           /* leaves whose ray length is known */
+    lcor_array records;      /* gather_record */
+    float *source, *through; /* per record and channel */
+    double *field;           /* GATHER_TERMS a leaf and channel */
+    size_t slots;            /* leaves that were not split */
+
+    guide guide;
+    gather_effort effort;
+    double mean;        /* irradiance of the scene: errors refer to at least 2 % of it */
+    double contraction; /* of one reflection */
+    int iterations;
+    int dark; /* no light at all */
+    int cancelled, hurry;
+    uint64_t rays;
+} gather;
+
+static inline gather_leaf *gather_leaf_at(const gather *g, size_t i)
+{
+    return (gather_leaf *)g->leaves.items + i;
+}
+
+static inline gather_plane *gather_plane_at(const gather *g, size_t i)
+{
+    return (gather_plane *)g->planes.items + i;
+}
+
+/* Runs task(arg, 0..n-1) a part at a time, minding progress and limits. Returns 0 if cancelled. */
+int gather_each(gather *g, size_t n, void (*task)(void *arg, size_t i), void *arg);
+
+uint64_t gather_bytes(const gather *g);
+
+/* Where rays start: a place on a surface, or free (surface LCOR_BVH_NONE). */
+typedef struct gather_stand {
+    double x[3], u[3], v[3], normal[3];
+    uint32_t surface;
+} gather_stand;
+
+/* gather_planes.c. Functions that return int return 0 without memory or when cancelled. */
+int gather_find_planes(gather *g);
+/* The side of its plane that a surface shows on its front (back 0) or back. */
+uint32_t gather_side_of(const gather *g, uint32_t surface, int back);
+void gather_to_plane(const gather_plane *p, const double x[3], double at[2]);
+/* Fills all but x. */
+void gather_stand_on(const gather *g, uint32_t surface, int back, gather_stand *stand);
+
+/* gather_prims.c */
+int gather_list_prims(gather *g);
+/* Origin and edges; returns 1 for a triangle. */
+int gather_prim_frame(const gather *g, size_t prim, double origin[3], double u[3], double v[3]);
+/* Places of 0..1 squared to coordinates along a primitive's edges, ratios of areas kept. */
+void gather_square_to_edges(int triangle, const double q[2], double st[2]);
+/* A place on the front of all surfaces, uniform by area; returns its primitive. */
+size_t gather_place(const gather *g, double a, double b, gather_stand *stand);
+
+/* gather_tree.c */
+int gather_grow(gather *g); /* fields for the sides that matter, leaves by ray length */
+uint32_t gather_leaf_of(const gather *g, uint32_t side, const double at[2]);
+/* Place a, b of 0..1 on the leaf, uniform by area, in the plane's coordinates and as a stand. */
+void gather_leaf_stand(const gather *g, const gather_leaf *leaf, double a, double b, double at[2],
+                       gather_stand *stand);
+
+/* Where a ray ends. */
+typedef struct gather_spot {
+    gather_stand stand; /* on the side the ray came from */
+    double distance;
+    uint32_t side;
+    int back;     /* that is the back of the surface */
+    int reflects; /* the look is on this side; else it is black */
+    uint32_t prim;
+    double st[2]; /* along the primitive's edges */
+} gather_spot;
+
+/* gather_path.c: first hit; 0 if there is none. */
+int gather_trace(const gather *g, const gather_stand *from, const double direction[3],
+                 gather_spot *spot);
+
+/* One estimate of the irradiance that is not direct, as source + through * field. */
+typedef struct gather_sample {
+    double source[GATHER_CHANNELS], through[GATHER_CHANNELS];
+    uint32_t leaf; /* gather_none: through is 0 */
+    double at[2];
+    double distance; /* to the first hit, infinite if there is none */
+    uint32_t rays;
+} gather_sample;
+
+/* `near` as in gather_effort, random: SOBOL_AXES numbers of 0..1. Axes 2 and
+ * 3 are free for the place. `view` may be NULL: not guided. */
+void gather_sample_at(const gather *g, const gather_stand *stand, const guide_view *view,
+                      double near, const double *random, uint32_t seed, gather_sample *out);
+
+/* gather_field.c */
+int gather_solve_field(gather *g);
+double gather_field_at(const gather *g, uint32_t leaf, const double at[2], int channel);
+/* The sample's irradiance with coefficients like gather.field. */
+double gather_sample_value(const gather *g, const gather_sample *sample, const double *field,
+                           int channel);
+/* out = K in: coefficients of what leaves get if the field is `in`. arg: gather */
+void gather_apply(void *arg, const double *in, double *out);
+/* How a leaf's rays are guided: NULL or `view`. */
+const guide_view *gather_leaf_view(const gather *g, const gather_leaf *leaf, guide_view *view);
+/* Ray `index` of a leaf in one of several sequences, leaving at `at`. */
+void gather_leaf_sample(const gather *g, size_t leaf, const guide_view *view, uint32_t index,
+                        uint32_t sequence, double at[2], gather_sample *out);
+
+/* gather_query.c: the irradiance that is not direct, at a stand or as the average over a patch. */
+typedef struct gather_query {
+    gather_stand stand;
+    const double *patch; /* NULL, or origin and two edges: 9 numbers, and */
+    int triangle;        /* whether that is a triangle */
+    double near, stop;   /* as in gather_effort */
+    uint32_t seed;
+    double *const *errors; /* NULL, or two more fields, */
+} gather_query;
+
+void gather_query_point(const gather *g, const double x[3], const double normal[3],
+                        gather_query *q);
+/* Adds to `total`, which holds what is direct; `bias` gets what the other fields add to the answer,
+ * mean of the channels. Returns the number of rays. */
+uint64_t gather_answer(const gather *g, const gather_query *q, double *total, double bias[2]);
+void gather_patch(const gather *g, size_t surface, lcor_value value, size_t index, double *total);
+
+/* gather_error.c: relative errors of answers at n places. */
+typedef struct gather_errors {
+    double rms, max, bias;
+    double noise, field; /* parts of rms: of the answer's rays, and of the field they read */
+} gather_errors;
+int gather_estimate(gather *g, size_t n, gather_errors *out);
+
+#endif

@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: MIT */
+/* The field: rays of every leaf, traced once, and the polynomials that agree with them. */
+#include "radiosity/gather.h"
+
+#include "base/internal.h"
+#include "geometry/vec.h"
+#include "radiosity/krylov.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ITERATIONS_MAX = 60 };
+
+/* Half sizes, in mean ray lengths, below which a leaf's polynomial is constant or linear. */
+static const double constant_below = 0.05, linear_below = 0.4;
+/* Ridge of the least squares, against few rays in a corner of a leaf. */
+static const double ridge = 0.004;
+/* Least and most rays of a leaf, of the average. */
+static const double rays_least = 0.25, rays_most = 4;
+/* The solver's part of the tolerance. */
+static const double solver_share = 0.02;
+
+static gather_record *record_at(const gather *g, size_t i)
+{
+    return (gather_record *)g->records.items + i;
+}
+
+static void basis(double x, double y, double f[GATHER_TERMS])
+{
+    f[0] = 1;
+    f[1] = x;
+    f[2] = y;
+    f[3] = 1.5 * x * x - 0.5;
+    f[4] = x * y;
+    f[5] = 1.5 * y * y - 0.5;
+}
+
+static size_t coefficients_of(const gather *g, const gather_leaf *l, int channel)
+{
+    return (l->slot * (size_t)g->channels + (size_t)channel) * GATHER_TERMS;
+}
+
+static double evaluate(const gather *g, const gather_leaf *l, const double *field,
+                       const double at[2], int channel)
+{
+    const double *a = field + coefficients_of(g, l, channel);
+    double f[GATHER_TERMS], sum = 0;
+
+    basis((at[0] - l->centre[0]) / l->half[0], (at[1] - l->centre[1]) / l->half[1], f);
+    for (int k = 0; k < l->terms; k++)
+        sum += a[k] * f[k];
+    return sum;
+}
+
+double gather_field_at(const gather *g, uint32_t leaf, const double at[2], int channel)
+{
+    return evaluate(g, gather_leaf_at(g, leaf), g->field, at, channel);
+}
+
+double gather_sample_value(const gather *g, const gather_sample *sample, const double *field,
+                           int channel)
+{
+    double value = sample->source[channel];
+
+    if (sample->leaf != gather_none)
+        value += sample->through[channel] *
+                 evaluate(g, gather_leaf_at(g, sample->leaf), field, sample->at, channel);
+    return value;
+}
+
+/* ---- rays ---- */
+
+static int degree_terms(const gather_leaf *l)
+{
+    const double size = fmax(l->half[0], l->half[1]) / l->ray_length;
+
+    return size < constant_below ? 1 : size < linear_below ? 3 : GATHER_TERMS;
+}
+
+/* Numbers the leaves and gives each its records. */
+static int plan_records(gather *g)
+{
+    double area = 0;
+    size_t count = 0, leaves = 0;
+
+    for (size_t i = 0; i < g->leaves.count; i++) {
+        gather_leaf *l = gather_leaf_at(g, i);
+
+        if (l->terms == 0)
+            continue;
+        l->slot = leaves++;
+        area += sqrt(l->area);
+    }
+    for (size_t i = 0; i < g->leaves.count; i++) {
+        gather_leaf *l = gather_leaf_at(g, i);
+        const double share = area > 0 ? sqrt(l->area) * (double)leaves / area : 1;
+
+        if (l->terms == 0)
+            continue;
+        l->terms = degree_terms(l);
+        l->first_record = count;
+        l->record_count = (size_t)(g->effort.rays * fmin(fmax(share, rays_least), rays_most));
+        count += l->record_count;
+    }
+    g->slots = leaves;
+    lcor_array_clear(g->allocator, &g->records);
+    lcor_internal_free(g->allocator, g->source);
+    lcor_internal_free(g->allocator, g->through);
+    lcor_internal_free(g->allocator, g->field);
+    g->source =
+        lcor_internal_alloc(g->allocator, (count + 1) * (size_t)g->channels * sizeof *g->source);
+    g->through =
+        lcor_internal_alloc(g->allocator, (count + 1) * (size_t)g->channels * sizeof *g->through);
+    g->field = lcor_internal_alloc(g->allocator, (leaves + 1) * (size_t)g->channels * GATHER_TERMS *
+                                                     sizeof *g->field);
+    if (!g->source || !g->through || !g->field ||
+        !lcor_array_reserve(g->allocator, &g->records, count, sizeof(gather_record)))
+        return 0;
+    g->records.count = count;
+    return 1;
+}
+
+/* The symmetric positive definite n x n matrix, inverted in place by Gauss and Jordan. */
+static void invert(int n, double a[GATHER_TERMS][GATHER_TERMS])
+{
+    for (int p = 0; p < n; p++) {
+        const double pivot = 1 / a[p][p];
+
+        a[p][p] = 1;
+        for (int k = 0; k < n; k++)
+            a[p][k] *= pivot;
+        for (int i = 0; i < n; i++) {
+            const double factor = a[i][p];
+
+            if (i == p)
+                continue;
+            a[i][p] = 0;
+            for (int k = 0; k < n; k++)
+                a[i][k] -= factor * a[p][k];
+        }
+    }
+}
+
+static void set_inverse(const gather *g, gather_leaf *l)
+{
+    double a[GATHER_TERMS][GATHER_TERMS] = {{0}};
+
+    for (size_t i = 0; i < l->record_count; i++) {
+        const gather_record *r = record_at(g, l->first_record + i);
+        double f[GATHER_TERMS];
+
+        basis((double)r->from[0], (double)r->from[1], f);
+        for (int p = 0; p < l->terms; p++)
+            for (int q = 0; q < l->terms; q++)
+                a[p][q] += f[p] * f[q];
+    }
+    a[0][0] = fmax(a[0][0], 1);
+    for (int p = 1; p < l->terms; p++)
+        a[p][p] += ridge * a[0][0];
+    invert(l->terms, a);
+    for (int p = 0; p < GATHER_TERMS; p++)
+        for (int q = 0; q < GATHER_TERMS; q++)
+            l->inverse[p * GATHER_TERMS + q] = a[p][q];
+}
+
+const guide_view *gather_leaf_view(const gather *g, const gather_leaf *leaf, guide_view *view)
+{
+    gather_stand stand;
+    double at[2];
+
+    gather_leaf_stand(g, leaf, 0.5, 0.5, at, &stand);
+    return guide_look(g, stand.x, stand.normal, g->mean, view) ? view : NULL;
+}
+
+void gather_leaf_sample(const gather *g, size_t leaf, const guide_view *view, uint32_t index,
+                        uint32_t sequence, double at[2], gather_sample *out)
+{
+    const uint32_t seed = random_hash(4 * (uint32_t)leaf + sequence);
+    double random[SOBOL_AXES];
+    gather_stand stand;
+
+    sobol_point(&g->sobol, index, seed, SOBOL_AXES, random);
+    gather_leaf_stand(g, gather_leaf_at(g, leaf), random[2], random[3], at, &stand);
+    gather_sample_at(g, &stand, view, 0, random, random_hash(seed + index), out);
+}
+
+static void record_task(void *arg, size_t i)
+{
+    gather *g = arg;
+    gather_leaf *l = gather_leaf_at(g, i);
+    const guide_view *guided;
+    guide_view view;
+
+    l->rays = 0;
+    if (l->terms == 0)
+        return;
+    guided = gather_leaf_view(g, l, &view);
+    for (size_t k = 0; k < l->record_count; k++) {
+        gather_record *r = record_at(g, l->first_record + k);
+        const size_t value = (l->first_record + k) * (size_t)g->channels;
+        double at[2];
+        gather_sample sample;
+
+        gather_leaf_sample(g, i, guided, (uint32_t)k, 0, at, &sample);
+        for (int c = 0; c < 2; c++) {
+            r->from[c] = (float)((at[c] - l->centre[c]) / l->half[c]);
+            r->at[c] = (float)sample.at[c];
+        }
+        r->leaf = sample.leaf;
+        for (int c = 0; c < g->channels; c++) {
+            g->source[value + (size_t)c] = (float)sample.source[c];
+            g->through[value + (size_t)c] = (float)sample.through[c];
+        }
+        l->rays += sample.rays;
+    }
+    set_inverse(g, l);
+}
+
+/* ---- the linear system ---- */
+
+typedef struct application {
+    const gather *g;
+    const double *in; /* or NULL: the right side, of sources alone */
+    double *out;
+} application;
+
+/* Least squares over a leaf's rays. */
+static void apply_task(void *arg, size_t i)
+{
+    const application *job = arg;
+    const gather *g = job->g;
+    const gather_leaf *l = gather_leaf_at(g, i);
+
+    for (int c = 0; c < g->channels && l->terms > 0; c++) {
+        double moment[GATHER_TERMS] = {0}, *out = job->out + coefficients_of(g, l, c);
+
+        for (size_t k = l->first_record; k < l->first_record + l->record_count; k++) {
+            const gather_record *r = record_at(g, k);
+            const size_t value = k * (size_t)g->channels + (size_t)c;
+            const double at[2] = {(double)r->at[0], (double)r->at[1]};
+            double f[GATHER_TERMS], irradiance = 0;
+
+            if (!job->in)
+                irradiance = (double)g->source[value];
+            else if (r->leaf != gather_none)
+                irradiance = (double)g->through[value] *
+                             evaluate(g, gather_leaf_at(g, r->leaf), job->in, at, c);
+            if (irradiance == 0)
+                continue;
+            basis((double)r->from[0], (double)r->from[1], f);
+            for (int p = 0; p < l->terms; p++)
+                moment[p] += f[p] * irradiance;
+        }
+        for (int p = 0; p < GATHER_TERMS; p++) {
+            out[p] = 0;
+            for (int q = 0; q < l->terms && p < l->terms; q++)
+                out[p] += l->inverse[p * GATHER_TERMS + q] * moment[q];
+        }
+    }
+}
+
+void gather_apply(void *arg, const double *in, double *out)
+{
+    const gather *g = arg;
+    application job = {g, in, out};
+
+    engine_run(g->solution, g->leaves.count, apply_task, &job);
+}
+
+static int solve_system(gather *g)
+{
+    krylov k = {
+        g->slots * (size_t)g->channels * GATHER_TERMS, gather_apply, g, 0, ITERATIONS_MAX, 0};
+    double *right = lcor_internal_alloc(g->allocator, (k.n + 1) * sizeof *right);
+    int ok;
+
+    if (!right)
+        return 0;
+    gather_apply(g, NULL, right);
+    k.tolerance = solver_share * g->solution->options.tolerance;
+    ok = krylov_solve(&k, g->allocator, right, g->field);
+    g->contraction = k.contraction;
+    g->iterations = k.iterations;
+    lcor_internal_free(g->allocator, right);
+    return ok;
+}
+
+int gather_solve_field(gather *g)
+{
+    if (!plan_records(g) || !gather_each(g, g->leaves.count, record_task, g))
+        return 0;
+    for (size_t i = 0; i < g->leaves.count; i++)
+        g->rays += gather_leaf_at(g, i)->rays;
+    return solve_system(g);
+}

@@ -1,0 +1,410 @@
+/* SPDX-License-Identifier: MIT */
+#include "radiosity/gather_guide.h"
+
+#include "base/internal.h"
+#include "geometry/vec.h"
+#include "radiosity/gather.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { DEPTH_MAX = 5 };
+
+static const double pi = 3.14159265358979323846;
+
+/* Brighter than the mean by this factor: worth a look of its own. */
+static const double bright = 0.6;
+/* Variance that guiding must take away, of the irradiance squared, to be worth its rays. */
+static const double worth = 0.01;
+/* Cells are split while their parts differ by this factor and they hold more than this part of
+ * all brightness. */
+static const double uneven = 1.5, least_share = 1.0 / 512;
+
+/* The inverse of gather_square_to_edges. */
+static void edges_to_square(int triangle, const double st[2], double q[2])
+{
+    if (triangle) {
+        const double s = st[0] + st[1];
+
+        q[0] = s * s;
+        q[1] = s > 0 ? st[1] / s : 0;
+    } else {
+        q[0] = st[0];
+        q[1] = st[1];
+    }
+}
+
+static guide_cell *cell_at(const guide *d, int32_t i) { return (guide_cell *)d->cells.items + i; }
+
+static guide_root *root_at(const guide *d, size_t i) { return (guide_root *)d->roots.items + i; }
+
+static void root_place(const guide_root *r, const double q[2], double x[3])
+{
+    double st[2];
+
+    gather_square_to_edges(r->triangle, q, st);
+    vec_plane_point(r->origin, r->edge_u, r->edge_v, st[0], st[1], x);
+}
+
+static void root_normal(const gather *g, const guide_root *r, double normal[3])
+{
+    const double *n = scene_surface_at(g->scene, r->surface)->normal;
+
+    for (int k = 0; k < 3; k++)
+        normal[k] = r->back ? -n[k] : n[k];
+}
+
+/* Radiosity at a place without what is reflected more than once, mean of the channels. */
+static double brightness_at(const gather *g, const guide_root *r, const double q[2])
+{
+    const double *rho = g->reflectance + (size_t)r->surface * (size_t)g->channels;
+    const double *emission = g->emission + (size_t)r->surface * (size_t)g->channels;
+    double x[3], normal[3], direct[GATHER_CHANNELS], sum = 0;
+
+    root_place(r, q, x);
+    root_normal(g, r, normal);
+    light_at(&g->solution->lights, x, normal, r->surface, direct);
+    for (int c = 0; c < g->channels; c++)
+        sum += emission[c] + rho[c] * direct[c];
+    return sum / g->channels;
+}
+
+/* A first look at every primitive: n x n places. */
+typedef struct survey {
+    guide_root root;
+    uint32_t prim;
+    double mean, most;
+} survey;
+
+static void look_at(const gather *g, survey *s, int n)
+{
+    s->mean = s->most = 0;
+    for (int i = 0; i < n * n; i++) {
+        const double q[2] = {(i / n + 0.5) / n, (i % n + 0.5) / n};
+        const double b = brightness_at(g, &s->root, q);
+
+        s->mean += b / (n * n);
+        s->most = fmax(s->most, b);
+    }
+}
+
+typedef struct survey_job {
+    const gather *g;
+    survey *items;
+    size_t count;
+    double area;
+} survey_job;
+
+enum { SURVEY_STEP = 64 };
+
+static void survey_task(void *arg, size_t chunk)
+{
+    const survey_job *job = arg;
+
+    for (size_t i = chunk * SURVEY_STEP; i < job->count && i < (chunk + 1) * SURVEY_STEP; i++) {
+        const double share = job->items[i].root.area / job->area;
+
+        look_at(job->g, &job->items[i], share < 1e-3 ? 1 : share < 1e-2 ? 2 : 4);
+    }
+}
+
+static int reflects(const gather *g, size_t surface)
+{
+    const double *rho = g->reflectance + surface * (size_t)g->channels;
+    const double *emission = g->emission + surface * (size_t)g->channels;
+
+    for (int c = 0; c < g->channels; c++)
+        if (rho[c] > 0 || emission[c] > 0)
+            return 1;
+    return 0;
+}
+
+/* The sides of all primitives that reflect or emit. */
+static size_t list_sides(const gather *g, survey *out)
+{
+    size_t count = 0;
+
+    for (size_t i = 0; i < g->prims.count; i++) {
+        const gather_prim *p = (const gather_prim *)g->prims.items + i;
+        const int sides = 1 + (scene_surface_at(g->scene, p->surface)->look.two_sided != 0);
+
+        for (int back = 0; back < sides && reflects(g, p->surface); back++, count++) {
+            guide_root *r = &out[count].root;
+
+            r->triangle = gather_prim_frame(g, i, r->origin, r->edge_u, r->edge_v);
+            r->surface = p->surface;
+            r->back = back;
+            r->area = p[1].area_before - p->area_before;
+            out[count].prim = (uint32_t)i;
+        }
+    }
+    return count;
+}
+
+static int32_t add_cell(gather *g, uint32_t root, double s, double t, double size)
+{
+    guide *d = &g->guide;
+    guide_cell *c = lcor_array_reserve(g->allocator, &d->cells, 1, sizeof *c);
+
+    if (!c)
+        return -1;
+    *c = (guide_cell){root, {s, t}, size, -1, -1, 0};
+    return (int32_t)d->cells.count++;
+}
+
+/* Samples a cell's quarters and splits it while they differ. Returns 0 without memory. */
+static int refine(gather *g, int32_t at, int depth, double all)
+{
+    guide *d = &g->guide;
+    const guide_cell c = *cell_at(d, at);
+    const guide_root r = *root_at(d, c.root);
+    double part[4], least = HUGE_VAL, most = 0, sum = 0;
+    int32_t first = -1;
+
+    for (int i = 0; i < 4; i++) {
+        const double q[2] = {c.low[0] + c.size * (0.25 + 0.5 * (i / 2)),
+                             c.low[1] + c.size * (0.25 + 0.5 * (i % 2))};
+
+        part[i] = brightness_at(g, &r, q);
+        least = fmin(least, part[i]);
+        most = fmax(most, part[i]);
+        sum += part[i] / 4;
+    }
+    cell_at(d, at)->brightness = sum;
+    if (depth >= DEPTH_MAX || most <= uneven * least ||
+        most * most * c.size * c.size * r.area <= least_share * all)
+        return 1;
+    for (int i = 0; i < 4; i++) {
+        const int32_t child = add_cell(g, c.root, c.low[0] + 0.5 * c.size * (i / 2),
+                                       c.low[1] + 0.5 * c.size * (i % 2), 0.5 * c.size);
+
+        if (child < 0)
+            return 0;
+        cell_at(d, child)->brightness = part[i];
+        first = i == 0 ? child : first;
+    }
+    cell_at(d, at)->child = first;
+    for (int i = 0; i < 4; i++)
+        if (!refine(g, first + i, depth + 1, all))
+            return 0;
+    return 1;
+}
+
+typedef struct rank {
+    double score;
+    int32_t cell;
+} rank;
+
+static int compare_ranks(const void *a, const void *b)
+{
+    const rank *p = a, *q = b;
+
+    if (p->score != q->score)
+        return p->score > q->score ? -1 : 1;
+    return p->cell < q->cell ? -1 : p->cell > q->cell;
+}
+
+/* The brightest cells become targets: those that a cosine-weighted ray would find too seldom. */
+static int choose_targets(gather *g)
+{
+    guide *d = &g->guide;
+    rank *ranks = lcor_internal_alloc(g->allocator, (d->cells.count + 1) * sizeof *ranks);
+    size_t count = 0;
+
+    if (!ranks)
+        return 0;
+    for (size_t i = 0; i < d->cells.count; i++) {
+        const guide_cell *c = cell_at(d, (int32_t)i);
+        const double area = c->size * c->size * root_at(d, c->root)->area;
+
+        if (c->child < 0 && c->brightness > bright * d->mean)
+            ranks[count++] = (rank){c->brightness * c->brightness * area, (int32_t)i};
+    }
+    qsort(ranks, count, sizeof *ranks, compare_ranks);
+    d->count = count < GUIDE_TARGETS ? (int)count : GUIDE_TARGETS;
+    for (int i = 0; i < d->count; i++) {
+        guide_cell *c = cell_at(d, ranks[i].cell);
+        const guide_root *r = root_at(d, c->root);
+        const double q[2] = {c->low[0] + 0.5 * c->size, c->low[1] + 0.5 * c->size};
+        guide_target *t = &d->targets[i];
+
+        c->target = i;
+        root_place(r, q, t->centre);
+        root_normal(g, r, t->normal);
+        t->area = c->size * c->size * r->area;
+        t->brightness = c->brightness;
+        t->cell = ranks[i].cell;
+    }
+    lcor_internal_free(g->allocator, ranks);
+    return 1;
+}
+
+/* Area-weighted mean of the brightness. */
+static double mean_brightness(const survey *items, size_t count, double *squares)
+{
+    double area = 0, sum = 0;
+
+    *squares = 0;
+    for (size_t i = 0; i < count; i++) {
+        const double a = items[i].root.area;
+
+        area += a;
+        sum += a * items[i].mean;
+        *squares += a * items[i].mean * items[i].most;
+    }
+    return area > 0 ? sum / area : 0;
+}
+
+static int build_cells(gather *g, const survey *items, size_t count, double squares)
+{
+    guide *d = &g->guide;
+
+    for (size_t i = 0; i < count; i++) {
+        guide_root *r;
+        int32_t cell;
+
+        if (!(items[i].most > bright * d->mean))
+            continue;
+        r = lcor_array_reserve(g->allocator, &d->roots, 1, sizeof *r);
+        cell = add_cell(g, (uint32_t)d->roots.count, 0, 0, 1);
+        if (!r || cell < 0)
+            return 0;
+        *r = items[i].root;
+        r->cell = cell;
+        d->root_of[2 * items[i].prim + (uint32_t)r->back] = (int32_t)d->roots.count++;
+        if (!refine(g, cell, 0, squares))
+            return 0;
+    }
+    return choose_targets(g);
+}
+
+int guide_build(gather *g)
+{
+    const size_t prims = g->prims.count;
+    guide *d = &g->guide;
+    survey_job job = {g, NULL, 0, ((gather_prim *)g->prims.items)[prims].area_before};
+    double squares;
+    int ok;
+
+    guide_clear(g);
+    d->root_of = lcor_internal_alloc(g->allocator, 2 * prims * sizeof *d->root_of);
+    d->lit = lcor_internal_alloc(g->allocator, prims);
+    job.items = lcor_internal_alloc(g->allocator, 2 * prims * sizeof *job.items);
+    if (!d->root_of || !d->lit || !job.items) {
+        lcor_internal_free(g->allocator, job.items);
+        return 0;
+    }
+    for (size_t i = 0; i < 2 * prims; i++)
+        d->root_of[i] = -1;
+    memset(d->lit, 0, prims);
+    job.count = list_sides(g, job.items);
+    engine_run(g->solution, (job.count + SURVEY_STEP - 1) / SURVEY_STEP, survey_task, &job);
+    for (size_t i = 0; i < job.count; i++)
+        if (job.items[i].most > 0 && !job.items[i].root.back)
+            d->lit[job.items[i].prim] = 1;
+    d->mean = mean_brightness(job.items, job.count, &squares);
+    ok = build_cells(g, job.items, job.count, squares);
+    lcor_internal_free(g->allocator, job.items);
+    return ok;
+}
+
+void guide_clear(gather *g)
+{
+    guide *d = &g->guide;
+
+    lcor_array_clear(g->allocator, &d->roots);
+    lcor_array_clear(g->allocator, &d->cells);
+    lcor_internal_free(g->allocator, d->root_of);
+    lcor_internal_free(g->allocator, d->lit);
+    d->root_of = NULL;
+    d->lit = NULL;
+    d->count = 0;
+}
+
+/* Of the first-hand light of a cosine-weighted ray, the rest of the hemisphere being average. */
+static double variance(const guide *d, double sum, double square, double covered)
+{
+    const double rest = fmax(1 - covered, 0), all = covered + rest;
+    const double mean = (sum + rest * d->mean) / all;
+
+    return (square + rest * d->mean * d->mean) / all - mean * mean;
+}
+
+int guide_look(const gather *g, const double x[3], const double normal[3], double expected,
+               guide_view *view)
+{
+    const guide *d = &g->guide;
+    double sum = 0, square = 0, covered = 0;
+
+    for (int i = 0; i < d->count; i++) {
+        const guide_target *t = &d->targets[i];
+        double to[3], distance2, height, cosine, factor = 0;
+
+        view->sum[i] = sum;
+        vec_sub(t->centre, x, to);
+        distance2 = vec_dot(to, to);
+        height = vec_dot(to, normal);
+        cosine = -vec_dot(to, t->normal);
+        if (height > 0 && cosine > 0)
+            factor = height * cosine * t->area / (distance2 * (pi * distance2 + t->area));
+        sum += t->brightness * factor;
+        square += t->brightness * t->brightness * factor;
+        covered += factor;
+    }
+    if (!(sum > 0) || variance(d, sum, square, covered) <= worth * expected * expected)
+        return 0;
+    for (int i = 0; i < d->count; i++)
+        view->sum[i] /= sum;
+    view->sum[d->count] = 1;
+    return 1;
+}
+
+void guide_choose(const gather *g, const guide_view *view, double a, double b, guide_place *out)
+{
+    const guide *d = &g->guide;
+    int low = 0, high = d->count - 1;
+    const guide_cell *c;
+    const guide_root *r;
+    double q[2], share;
+
+    while (low < high) { /* the last target that begins at or before a */
+        const int middle = (low + high + 1) / 2;
+
+        if (view->sum[middle] <= a)
+            low = middle;
+        else
+            high = middle - 1;
+    }
+    share = view->sum[low + 1] - view->sum[low];
+    c = cell_at(d, d->targets[low].cell);
+    r = root_at(d, c->root);
+    q[0] = c->low[0] + c->size * (share > 0 ? fmin((a - view->sum[low]) / share, 1) : 0.5);
+    q[1] = c->low[1] + c->size * b;
+    root_place(r, q, out->x);
+    root_normal(g, r, out->normal);
+    out->density = share / d->targets[low].area;
+    out->surface = r->surface;
+    out->back = r->back;
+}
+
+double guide_density(const gather *g, const guide_view *view, uint32_t prim, int back,
+                     const double st[2])
+{
+    const guide *d = &g->guide;
+    const int32_t root = d->root_of[2 * prim + (uint32_t)back];
+    const guide_cell *c;
+    double q[2];
+
+    if (root < 0)
+        return 0;
+    edges_to_square(root_at(d, (size_t)root)->triangle, st, q);
+    c = cell_at(d, root_at(d, (size_t)root)->cell);
+    while (c->child >= 0) {
+        const int s = q[0] >= c->low[0] + 0.5 * c->size, t = q[1] >= c->low[1] + 0.5 * c->size;
+
+        c = cell_at(d, c->child + 2 * s + t);
+    }
+    if (c->target < 0)
+        return 0;
+    return (view->sum[c->target + 1] - view->sum[c->target]) / d->targets[c->target].area;
+}

@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+/* Small bright places, emitting or brightly lit, towards which rays are guided. */
+#ifndef LCOR_RADIOSITY_GATHER_GUIDE_H
+#define LCOR_RADIOSITY_GATHER_GUIDE_H
+
+#include "base/array.h"
+
+#include <stdint.h>
+
+enum { GUIDE_TARGETS = 256 };
+
+struct gather;
+struct gather_stand;
+
+/* A part of a primitive's unit square, whose map to the primitive keeps ratios of areas. */
+typedef struct guide_cell {
+    uint32_t root; /* in guide.roots */
+    double low[2], size;
+    int32_t child;  /* the first of four, or -1 */
+    int32_t target; /* or -1 */
+    double brightness;
+} guide_cell;
+
+/* A side of a primitive with targets. */
+typedef struct guide_root {
+    double origin[3], edge_u[3], edge_v[3];
+    uint32_t surface;
+    int back, triangle;
+    int32_t cell;
+    double area;
+} guide_root;
+
+typedef struct guide_target {
+    double centre[3], normal[3], area, brightness;
+    int32_t cell;
+} guide_target;
+
+typedef struct guide {
+    lcor_array roots, cells;
+    int32_t *root_of;   /* per primitive and side, or -1 */
+    unsigned char *lit; /* per primitive: its front gets or sends light directly */
+    guide_target targets[GUIDE_TARGETS];
+    int count;
+    double mean; /* brightness of what is seen on average */
+} guide;
+
+/* Finds what is bright. Returns 0 without memory. */
+int guide_build(struct gather *g);
+void guide_clear(struct gather *g);
+
+/* Probability of each target as seen from one place. */
+typedef struct guide_view {
+    double sum[GUIDE_TARGETS + 1]; /* of the probabilities before target i */
+} guide_view;
+
+/* Returns 0 if guiding does not pay where the irradiance is about `expected`. */
+int guide_look(const struct gather *g, const double x[3], const double normal[3], double expected,
+               guide_view *view);
+
+typedef struct guide_place {
+    double x[3], normal[3];
+    double density; /* per area */
+    uint32_t surface;
+    int back;
+} guide_place;
+
+void guide_choose(const struct gather *g, const guide_view *view, double a, double b,
+                  guide_place *out);
+
+/* Density per area with which guide_choose comes upon a place of a primitive. */
+double guide_density(const struct gather *g, const guide_view *view, uint32_t prim, int back,
+                     const double st[2]);
+
+#endif

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: MIT */
+/* Rays, and paths of them up to a place whose field may be read. */
+#include "radiosity/gather.h"
+
+#include "geometry/vec.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Paths that carry less than this are ended by chance; the longest read any field at last. */
+static const double roulette_below = 0.25;
+enum { DEPTH_MAX = 16 };
+
+static const double pi = 3.14159265358979323846;
+
+int gather_trace(const gather *g, const gather_stand *from, const double direction[3],
+                 gather_spot *spot)
+{
+    const scene_surface *f;
+    lcor_bvh_hit hit;
+    lcor_ray ray;
+    int back;
+
+    vec_copy(from->x, ray.origin);
+    for (int k = 0; k < 3; k++)
+        ray.direction[k] =
+            direction[0] * from->u[k] + direction[1] * from->v[k] + direction[2] * from->normal[k];
+    ray.t_min = g->touch;
+    ray.t_max = HUGE_VAL;
+    ray.skip = from->surface;
+    if (!lcor_bvh_closest(g->scene->bvh, &ray, &hit))
+        return 0;
+    f = scene_surface_at(g->scene, hit.owner);
+    back = vec_dot(ray.direction, f->normal) > 0;
+    gather_stand_on(g, hit.owner, back, &spot->stand);
+    vec_add_scaled(ray.origin, hit.t, ray.direction, spot->stand.x);
+    spot->distance = hit.t;
+    spot->side = gather_side_of(g, hit.owner, back);
+    spot->back = back;
+    spot->reflects = !back || f->look.two_sided;
+    spot->prim = hit.prim;
+    spot->st[0] = hit.u;
+    spot->st[1] = hit.v;
+    return 1;
+}
+
+/* A path under way: what it has found and what it passes on. */
+typedef struct path {
+    const gather *g;
+    double near;
+    uint32_t random;
+    gather_sample *out;
+} path;
+
+static double largest(const gather *g, const double *v)
+{
+    double most = 0;
+
+    for (int c = 0; c < g->channels; c++)
+        most = fmax(most, v[c]);
+    return most;
+}
+
+/* Light of a guided ray: what its target sends at first hand, weighed against the chance of the
+ * cosine-weighted ray that goes with it [Veach and Guibas 1995]. */
+static void add_guided(path *p, const gather_stand *stand, const guide_view *view, double a,
+                       double b)
+{
+    const gather *g = p->g;
+    double to[3], direct[GATHER_CHANNELS], square, height, cosine, by_cosine, by_guide, weight;
+    const double *rho, *emission;
+    guide_place target;
+
+    guide_choose(g, view, a, b, &target);
+    vec_sub(target.x, stand->x, to);
+    square = vec_dot(to, to);
+    height = vec_dot(to, stand->normal);
+    cosine = -vec_dot(to, target.normal);
+    if (!(height > 0 && cosine > 0))
+        return;
+    p->out->rays++;
+    if (lcor_scene_blocked(g->scene, stand->x, target.x, stand->surface, NULL))
+        return;
+    light_at(&g->solution->lights, target.x, target.normal, target.surface, direct);
+    by_cosine = height * cosine / (pi * square * square); /* densities per area */
+    by_guide = target.density;
+    weight = by_cosine / (by_cosine + by_guide);
+    rho = g->reflectance + (size_t)target.surface * (size_t)g->channels;
+    emission = g->emission + (size_t)target.surface * (size_t)g->channels;
+    for (int c = 0; c < g->channels; c++)
+        p->out->source[c] += p->out->through[c] * weight * (emission[c] + rho[c] * direct[c]);
+}
+
+/* Weight of first-hand light that a cosine-weighted ray found and a guided one might have. */
+static double unguided(const gather *g, const gather_stand *from, const guide_view *view,
+                       const gather_spot *spot)
+{
+    const double density = view ? guide_density(g, view, spot->prim, spot->back, spot->st) : 0;
+    double to[3], by_cosine, square;
+
+    if (!(density > 0))
+        return 1;
+    vec_sub(spot->stand.x, from->x, to);
+    square = vec_dot(to, to);
+    by_cosine =
+        vec_dot(to, from->normal) * -vec_dot(to, spot->stand.normal) / (pi * square * square);
+    return by_cosine / (by_cosine + density);
+}
+
+/* Adds the light at a spot; what is left to find out is its irradiance times `through`. */
+static void add_spot(path *p, const gather_spot *spot, double weight)
+{
+    const gather *g = p->g;
+    const double *rho = g->reflectance + (size_t)spot->stand.surface * (size_t)g->channels;
+    const double *emission = g->emission + (size_t)spot->stand.surface * (size_t)g->channels;
+    double direct[GATHER_CHANNELS] = {0};
+
+    if (!spot->reflects) {
+        memset(p->out->through, 0, sizeof p->out->through);
+        return;
+    }
+    if (largest(g, rho) > 0)
+        light_at(&g->solution->lights, spot->stand.x, spot->stand.normal, spot->stand.surface,
+                 direct);
+    for (int c = 0; c < g->channels; c++) {
+        p->out->source[c] += p->out->through[c] * weight * (emission[c] + rho[c] * direct[c]);
+        p->out->through[c] *= rho[c];
+    }
+}
+
+/* Whether the path may end here with what the field says. */
+static int read_field(path *p, const gather_spot *spot, int depth)
+{
+    const gather *g = p->g;
+    double at[2];
+    uint32_t leaf;
+
+    gather_to_plane(gather_plane_at(g, spot->side / 2), spot->stand.x, at);
+    leaf = gather_leaf_of(g, spot->side, at);
+    if (leaf == gather_none)
+        return 0;
+    if (depth < DEPTH_MAX) {
+        const gather_leaf *l = gather_leaf_at(g, leaf);
+
+        if (!(spot->distance > 2 * p->near * fmax(l->half[0], l->half[1])))
+            return 0;
+    }
+    p->out->leaf = leaf;
+    p->out->at[0] = at[0];
+    p->out->at[1] = at[1];
+    return 1;
+}
+
+/* Ends some of the paths that carry little, the others carry on for them. */
+static int survives(path *p)
+{
+    const double through = largest(p->g, p->out->through);
+    const double chance = through / roulette_below;
+
+    if (chance >= 1)
+        return 1;
+    if (random_next(&p->random) >= chance)
+        return 0;
+    for (int c = 0; c < p->g->channels; c++)
+        p->out->through[c] /= chance;
+    return 1;
+}
+
+void gather_sample_at(const gather *g, const gather_stand *stand, const guide_view *view,
+                      double near, const double *random, uint32_t seed, gather_sample *out)
+{
+    path p = {g, near, seed, out};
+    gather_stand from = *stand;
+    double a = random[4], b = random[5], direction[3];
+    guide_view own;
+
+    memset(out, 0, sizeof *out);
+    out->distance = HUGE_VAL;
+    out->leaf = gather_none;
+    for (int c = 0; c < g->channels; c++)
+        out->through[c] = 1;
+    random_cosine(random[0], random[1], direction);
+    for (int depth = 0;; depth++) {
+        gather_spot spot;
+
+        if (view)
+            add_guided(&p, &from, view, a, b);
+        out->rays++;
+        if (!gather_trace(g, &from, direction, &spot))
+            break;
+        if (depth == 0)
+            out->distance = spot.distance;
+        add_spot(&p, &spot, unguided(g, &from, view, &spot));
+        if (!(largest(g, out->through) > 0) || read_field(&p, &spot, depth))
+            break;
+        if (!survives(&p))
+            break;
+        from = spot.stand;
+        view = guide_look(g, from.x, from.normal, g->mean, &own) ? &own : NULL;
+        random_cosine(random_next(&p.random), random_next(&p.random), direction);
+        a = random_next(&p.random);
+        b = random_next(&p.random);
+    }
+    if (out->leaf == gather_none)
+        memset(out->through, 0, sizeof out->through);
+}

@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: MIT */
+/* Answers: quasi-Monte-Carlo integrals over the hemisphere, and over a patch. */
+#include "radiosity/gather.h"
+
+#include "geometry/vec.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { RAYS_FIRST = 32, RAYS_MOST = 16384 };
+
+/* Errors are relative to the irradiance, or to this part of the scene's mean where it is dark. */
+static const double dark_share = 0.02;
+/* A point this near to a surface, as part of the diameter, lies on it. */
+static const double reach_share = 1e-6;
+
+/* Any orthonormal frame around the normal. */
+static void set_frame(gather_stand *stand, const double normal[3])
+{
+    double axis[3] = {0, 0, 0};
+
+    axis[fabs(normal[0]) < 0.7 ? 0 : 1] = 1;
+    vec_copy(normal, stand->normal);
+    vec_cross(normal, axis, stand->u);
+    (void)vec_normalize(stand->u);
+    vec_cross(normal, stand->u, stand->v);
+}
+
+void gather_query_point(const gather *g, const double x[3], const double normal[3], gather_query *q)
+{
+    const double reach = reach_share * g->scene->diameter;
+    gather_stand above;
+    gather_spot spot;
+    const double down[3] = {0, 0, -1};
+
+    memset(q, 0, sizeof *q);
+    q->near = g->effort.near;
+    q->stop = g->effort.stop;
+    set_frame(&above, normal);
+    above.surface = LCOR_BVH_NONE;
+    vec_add_scaled(x, reach, normal, above.x);
+    if (gather_trace(g, &above, down, &spot) && spot.distance < 2 * reach &&
+        vec_dot(spot.stand.normal, normal) > 1 - 1e-6) {
+        q->stand = spot.stand;
+        q->seed = random_hash(spot.side);
+        return;
+    }
+    q->stand = above;
+    vec_copy(x, q->stand.x);
+    q->seed = 1;
+}
+
+/* What the irradiance may be, to judge whether guiding pays. */
+static double expected_at(const gather *g, const gather_stand *stand, const double *direct)
+{
+    double at[2], sum = 0;
+    uint32_t side, leaf;
+
+    for (int c = 0; c < g->channels; c++)
+        sum += direct[c] / g->channels;
+    if (stand->surface == LCOR_BVH_NONE)
+        return fmax(sum, g->mean);
+    side = gather_side_of(
+        g, stand->surface,
+        vec_dot(scene_surface_at(g->scene, stand->surface)->normal, stand->normal) < 0);
+    gather_to_plane(gather_plane_at(g, side / 2), stand->x, at);
+    leaf = gather_leaf_of(g, side, at);
+    for (int c = 0; c < g->channels; c++)
+        sum += leaf == gather_none ? g->mean / g->channels
+                                   : gather_field_at(g, leaf, at, c) / g->channels;
+    return fmax(sum, dark_share * g->mean);
+}
+
+/* Sums over the rays of an answer. */
+typedef struct sums {
+    double value[GATHER_CHANNELS], bias[2];
+    uint64_t rays;
+} sums;
+
+static void add_sample(const gather *g, const gather_query *q, const guide_view *view,
+                       uint32_t index, sums *s)
+{
+    double random[SOBOL_AXES];
+    gather_stand stand = q->stand;
+    gather_sample sample;
+
+    sobol_point(&g->sobol, index, q->seed, SOBOL_AXES, random);
+    if (q->patch) {
+        double st[2];
+
+        gather_square_to_edges(q->triangle, random + 2, st);
+        vec_plane_point(q->patch, q->patch + 3, q->patch + 6, st[0], st[1], stand.x);
+    }
+    gather_sample_at(g, &stand, view, q->near, random, random_hash(q->seed + index * 31u), &sample);
+    for (int c = 0; c < g->channels; c++) {
+        s->value[c] += gather_sample_value(g, &sample, g->field, c);
+        for (int h = 0; h < 2 && q->errors; h++)
+            s->bias[h] +=
+                (gather_sample_value(g, &sample, q->errors[h], c) - sample.source[c]) / g->channels;
+    }
+    s->rays += sample.rays;
+}
+
+double QN, QR, QC;
+uint64_t gather_answer(const gather *g, const gather_query *q, double *total, double bias[2])
+{
+    double last[GATHER_CHANNELS] = {0};
+    const guide_view *guided = NULL;
+    guide_view view;
+    sums s = {{0}, {0}, 0};
+    size_t count = 0;
+
+    if (g->dark)
+        return 0;
+    if (guide_look(g, q->stand.x, q->stand.normal, expected_at(g, &q->stand, total), &view))
+        guided = &view;
+    for (size_t end = RAYS_FIRST; end <= RAYS_MOST; end *= 2) {
+        double change = 0, scale = 0;
+
+        for (; count < end; count++)
+            add_sample(g, q, guided, (uint32_t)count, &s);
+        for (int c = 0; c < g->channels; c++) {
+            const double value = s.value[c] / (double)count;
+
+            change += fabs(value - last[c]);
+            scale += total[c] + value;
+            last[c] = value;
+        }
+        if (end > RAYS_FIRST && change <= q->stop * fmax(scale, dark_share * g->mean * g->channels))
+            break;
+    }
+    for (int c = 0; c < g->channels; c++)
+        total[c] += fmax(last[c], 0);
+    for (int h = 0; h < 2 && bias; h++)
+        bias[h] = s.bias[h] / (double)count;
+    QN++;
+    QR += (double)s.rays;
+    QC += (double)count;
+    return s.rays;
+}
+
+void gather_patch(const gather *g, size_t surface, lcor_value value, size_t index, double *total)
+{
+    const scene_surface *s = scene_surface_at(g->scene, surface);
+    double corner[3][3], patch[9], a = 0, b = 0;
+    gather_query q;
+    scene_patch p;
+
+    lcor_scene_patch(g->scene, s, index, &p);
+    for (int c = 0; c < p.corner_count; c++) {
+        a += p.s[c] / p.corner_count;
+        b += p.t[c] / p.corner_count;
+    }
+    for (int c = 0; c < 3; c++) /* of a parallelogram: corner 0 and its neighbours */
+        vec_plane_point(s->origin, s->edge_u, s->edge_v, p.s[c == 2 ? p.corner_count - 1 : c],
+                        p.t[c == 2 ? p.corner_count - 1 : c], corner[c]);
+    memset(&q, 0, sizeof q);
+    gather_stand_on(g, (uint32_t)surface, 0, &q.stand);
+    vec_plane_point(s->origin, s->edge_u, s->edge_v, a, b, q.stand.x);
+    vec_copy(corner[0], patch);
+    vec_sub(corner[1], corner[0], patch + 3);
+    vec_sub(corner[2], corner[0], patch + 6);
+    q.patch = value == LCOR_VALUE_AVERAGE ? patch : NULL;
+    q.triangle = p.corner_count == 3;
+    q.near = g->effort.near;
+    q.stop = g->effort.stop;
+    q.seed = random_hash(gather_side_of(g, (uint32_t)surface, 0));
+    (void)gather_answer(g, &q, total, NULL);
+}

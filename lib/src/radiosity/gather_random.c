@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: MIT */
+#include "radiosity/gather_random.h"
+
+#include <math.h>
+
+/* Degree, inner coefficients and first direction numbers of the primitive polynomials. */
+static const struct {
+    int degree;
+    unsigned inner, first[4];
+} polynomials[SOBOL_AXES] = {{0, 0, {0}},       {1, 0, {1}},       {2, 1, {1, 3}},
+                             {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}, {4, 1, {1, 1, 3, 3}}};
+
+void sobol_init(sobol *s)
+{
+    for (int i = 0; i < SOBOL_BITS; i++)
+        s->bits[0][i] = 1u << (31 - i);
+    for (int axis = 1; axis < SOBOL_AXES; axis++) {
+        const int degree = polynomials[axis].degree;
+        uint32_t *v = s->bits[axis];
+
+        for (int i = 0; i < SOBOL_BITS; i++) {
+            if (i < degree) {
+                v[i] = polynomials[axis].first[i] << (31 - i);
+                continue;
+            }
+            v[i] = v[i - degree] ^ v[i - degree] >> degree;
+            for (int k = 1; k < degree; k++)
+                if (polynomials[axis].inner >> (degree - 1 - k) & 1)
+                    v[i] ^= v[i - k];
+        }
+    }
+}
+
+static uint32_t reverse_bits(uint32_t x)
+{
+    x = x >> 16 | x << 16;
+    x = (x & 0xff00ff00u) >> 8 | (x & 0x00ff00ffu) << 8;
+    x = (x & 0xf0f0f0f0u) >> 4 | (x & 0x0f0f0f0fu) << 4;
+    x = (x & 0xccccccccu) >> 2 | (x & 0x33333333u) << 2;
+    return (x & 0xaaaaaaaau) >> 1 | (x & 0x55555555u) << 1;
+}
+
+/* Each bit is flipped by a hash of the seed and of all higher bits. */
+static uint32_t scramble(uint32_t x, uint32_t seed)
+{
+    x = reverse_bits(x) + seed;
+    x ^= x * 0x6c50b47cu;
+    x ^= x * 0xb82f1e52u;
+    x ^= x * 0xc7afe638u;
+    x ^= x * 0x8d22f6e6u;
+    return reverse_bits(x);
+}
+
+void sobol_point(const sobol *s, uint32_t index, uint32_t seed, int count, double *out)
+{
+    for (int axis = 0; axis < count; axis++) {
+        uint32_t x = 0;
+
+        for (uint32_t rest = index, bit = 0; rest; rest >>= 1, bit++)
+            x ^= s->bits[axis][bit] & (0u - (rest & 1u));
+        x = scramble(x, random_hash(seed * SOBOL_AXES + (uint32_t)axis));
+        out[axis] = (x + 0.5) / 4294967296.0;
+    }
+}
+
+/* Sine and cosine of -pi/4..pi/4 to 3e-9: the same bits whatever the mathematical library. */
+static void sine_cosine(double x, double *sine, double *cosine)
+{
+    const double q = x * x;
+
+    *sine = x * (1 - q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72))));
+    *cosine = 1 - q / 2 * (1 - q / 12 * (1 - q / 30 * (1 - q / 56 * (1 - q / 90))));
+}
+
+void random_cosine(double a, double b, double direction[3])
+{
+    static const double quarter_pi = 0.78539816339744830962;
+    const double x = 2 * a - 1, y = 2 * b - 1;
+    double sine, cosine;
+
+    if (x * x > y * y) {
+        sine_cosine(quarter_pi * y / x, &sine, &cosine);
+        direction[0] = x * cosine;
+        direction[1] = x * sine;
+    } else if (y * y > 0) {
+        sine_cosine(quarter_pi * x / y, &sine, &cosine);
+        direction[0] = y * sine;
+        direction[1] = y * cosine;
+    } else {
+        direction[0] = direction[1] = 0;
+    }
+    /* Never quite within the plane, where a ray would run along its own surface. */
+    direction[2] = sqrt(fmax(1e-8, 1 - direction[0] * direction[0] - direction[1] * direction[1]));
+}
