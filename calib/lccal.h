@@ -3,6 +3,7 @@
 #ifndef LCCAL_H
 #define LCCAL_H
 
+#include "json.h"
 #include "number.h"
 
 #include <lcor/profile.h>
@@ -79,14 +80,17 @@ int lccal_fail(int code, const char *format, ...) LCCAL_PRINTF(2, 3);
 void lccal_warn(const char *format, ...) LCCAL_PRINTF(1, 2); /* "lccal: warning: ..." */
 void lccal_say(const char *format, ...) LCCAL_PRINTF(1, 2);  /* silenced by --quiet */
 
-/* One JSON object a line on stdout, flushed at once; nothing without --json. The text is UTF-8,
- * bytes that are not become U+FFFD. Numbers that are not finite (or 1e12 and more)
- * become null. */
-void lccal_event_begin(const char *name); /* {"event":"name" */
-void lccal_event_text(const char *key, const char *value);
-void lccal_event_number(const char *key, double value, int decimals);
-void lccal_event_bool(const char *key, bool value);
-void lccal_event_end(void);
+/* {"event":"name" of an object that the caller goes on with; the end writes it to stdout as one
+ * line, or drops it without --json. */
+json lccal_event(const char *name);
+void lccal_event_end(json *event);
+
+/* ---- text ---- */
+
+/* UTC as profiles have it, 2026-11-22T03:04:05Z. Returns text. */
+const char *lccal_now(char *text, size_t capacity);
+/* Is `end` the end of text, and not all of it? */
+bool lccal_ends_with(const char *text, const char *end);
 
 /* ---- files ---- */
 
@@ -115,9 +119,9 @@ typedef struct lccal_measure_options {
     bool resume;            /* take up the journal */
 } lccal_measure_options;
 
-/* The port and driver of the only known instrument that is plugged in and usable. Failure is told
- * to the user; returns an exit code. */
-int lccal_find_port(char *port, size_t capacity, const char **driver);
+/* Where the options name no port: that of the only known instrument that is plugged in and usable,
+ * kept in `port`, and its driver. Failure is told to the user; returns an exit code. */
+int lccal_find_port(lccal_measure_options *options, char *port, size_t capacity);
 
 /* Guide the user through the patches and return the readings as a profile (free it). The journal is
  * left for the caller to remove once the profile is stored. Failure is told to the user; returns an

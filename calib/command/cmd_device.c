@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 static const char help[] =
@@ -59,10 +58,9 @@ static bool is_as_saved(const instrument_fact *fact, const char *text)
 /* Since when the calibration is what it is: the saved date while nothing changed, else today. */
 static void calibration_since(const instrument *in, const char *text, char since[24])
 {
-    const time_t now = time(NULL);
-    struct tm utc;
     size_t n;
-    strftime(since, 24, "%Y-%m-%d", gmtime_r(&now, &utc));
+    lccal_now(since, 24);
+    since[10] = '\0'; /* the date alone */
     const char *saved = text ? saved_value(text, since_key, &n) : NULL;
     if (!saved || n >= 24)
         return;
@@ -167,14 +165,9 @@ int cmd_device(int argc, char **argv)
                           : calibrate ? "--recalibrate needs --save FILE for the old values"
                                       : "--timeout wants seconds, more than 0");
     char found[128];
-    const char *driver = NULL;
-    if (!o.port) {
-        result = lccal_find_port(found, sizeof found, &driver);
-        if (result != LCCAL_OK)
-            return result;
-        o.port = found;
-        o.instrument = o.instrument ? o.instrument : driver;
-    }
+    result = lccal_find_port(&o, found, sizeof found);
+    if (result != LCCAL_OK)
+        return result;
     session s;
     interrupt_install();
     result = session_open(&s, &o);

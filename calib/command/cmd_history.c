@@ -19,7 +19,7 @@ static const char help[] =
     "  cd/m2 of a display. A folder stands for its *.cgats files; the backup that lccal keeps\n"
     "  beside a profile (PROFILE~) is listed with it.\n"
     "\n"
-    "  --json              an event \"history\" for each, one object a line\n"
+    "  --json              one object with the list \"profiles\"\n"
     "  --quiet, --help, --version\n";
 
 typedef struct entry {
@@ -67,12 +67,6 @@ static int add_profile(history *h, const char *path)
     return LCCAL_OK;
 }
 
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t n = strlen(text), m = strlen(end);
-    return n > m && strcmp(text + n - m, end) == 0;
-}
-
 static int add_folder(history *h, const char *path)
 {
     DIR *dir = opendir(path);
@@ -82,8 +76,9 @@ static int add_folder(history *h, const char *path)
     for (struct dirent *d = readdir(dir); d && status == LCCAL_OK; d = readdir(dir)) {
         char file[4096];
         const int n = snprintf(file, sizeof file, "%s/%s", path, d->d_name);
-        if ((ends_with(d->d_name, ".cgats") || ends_with(d->d_name, ".cgats~")) && n > 0 &&
-            (size_t)n < sizeof file)
+        const bool ours =
+            lccal_ends_with(d->d_name, ".cgats") || lccal_ends_with(d->d_name, ".cgats~");
+        if (ours && n > 0 && (size_t)n < sizeof file)
             status = add_profile(h, file);
     }
     closedir(dir);
@@ -111,25 +106,24 @@ static int by_date(const void *a, const void *b)
     return strcmp(x->path, y->path);
 }
 
-static void tell(const entry *e, const entry *first)
+static void tell(const entry *e, const entry *first, json *list)
 {
     const double change = 100.0 * (e->result.contrast / first->result.contrast - 1.0);
     const double u = hypot(e->result.contrast_u95, first->result.contrast_u95);
     const bool known = e->result.contrast_u95 > 0.0 && first->result.contrast_u95 > 0.0;
     const bool drifted = known && fabs(e->result.contrast - first->result.contrast) > u;
-    if (lccal_json()) {
-        lccal_event_begin("history");
-        lccal_event_text("path", e->path);
-        lccal_event_text("created", e->date);
-        lccal_event_number("contrast", e->result.contrast, 4);
-        lccal_event_number("contrast_u95", e->result.contrast_u95, 4);
-        lccal_event_number(e->display ? "j_max" : "d_min", e->white, 4);
-        lccal_event_number(e->display ? "j_min" : "d_max", e->black, 4);
-        lccal_event_number("change_percent", change, 2);
-        lccal_event_bool("significant", drifted);
-        lccal_event_end();
+    json_open(list, NULL, '{');
+    json_text(list, "path", e->path);
+    json_text(list, "created", e->date);
+    json_number(list, "contrast", e->result.contrast, 4);
+    json_number(list, "contrast_u95", e->result.contrast_u95, 4);
+    json_number(list, e->display ? "j_max" : "d_min", e->white, 4);
+    json_number(list, e->display ? "j_min" : "d_max", e->black, 4);
+    json_number(list, "change_percent", change, 2);
+    json_bool(list, "significant", drifted);
+    json_close(list, '}');
+    if (lccal_json())
         return;
-    }
     char c[80], white[32], black[32], percent[32];
     lccal_format_number(white, sizeof white, e->white, 3);
     lccal_format_number(black, sizeof black, e->black, 3);
@@ -157,8 +151,12 @@ int cmd_history(int argc, char **argv)
         if (!lccal_json())
             printf("%-20s  %-17s  %6s  %6s  %8s\n", "created", "contrast", "white", "black",
                    "change");
+        json event = lccal_event("history");
+        json_open(&event, "profiles", '[');
         for (size_t i = 0; i < h.count; i++)
-            tell(&h.entries[i], &h.entries[0]);
+            tell(&h.entries[i], &h.entries[0], &event);
+        json_close(&event, ']');
+        lccal_event_end(&event);
     }
     for (size_t i = 0; h.entries && i < h.count; i++)
         free(h.entries[i].path);

@@ -31,32 +31,31 @@ const char *find_obstacle(const port_info *port, const usb_model *model)
 }
 
 /* The port option to say for it: HID instruments by their numbers, which outlive replugging. */
-static const char *port_name(const port_info *port, char *buffer, size_t capacity)
+static const char *port_name(const port_info *port, char *text, size_t capacity)
 {
     if (strncmp(port->path, "/dev/hidraw", 11) != 0)
         return port->path;
-    snprintf(buffer, capacity, "hid:%04x:%04x%s%s", port->vendor, port->product,
+    snprintf(text, capacity, "hid:%04x:%04x%s%s", port->vendor, port->product,
              *port->serial ? ":" : "", port->serial);
-    return buffer;
+    return text;
 }
 
-static void show(const port_info *port, const usb_model *model)
+static void show(const port_info *port, const usb_model *model, json *list)
 {
-    char buffer[96];
-    const char *name = port_name(port, buffer, sizeof buffer);
+    char text[96];
+    const char *name = port_name(port, text, sizeof text);
     const char *obstacle = find_obstacle(port, model);
     const char *title = model ? model->title : *port->title ? port->title : "USB device";
-    if (lccal_json()) {
-        lccal_event_begin("device");
-        lccal_event_text("port", name);
-        lccal_event_text("node", port->path);
-        lccal_event_text("title", title);
-        lccal_event_text("serial", port->serial);
-        lccal_event_text("instrument", model && model->driver ? model->driver : "");
-        lccal_event_text("obstacle", obstacle ? obstacle : "");
-        lccal_event_end();
+    json_open(list, NULL, '{');
+    json_text(list, "port", name);
+    json_text(list, "node", port->path);
+    json_text(list, "title", title);
+    json_text(list, "serial", port->serial);
+    json_text(list, "instrument", model && model->driver ? model->driver : "");
+    json_text(list, "obstacle", obstacle ? obstacle : "");
+    json_close(list, '}');
+    if (lccal_json())
         return;
-    }
     printf("%-28s %s%s%s", *name ? name : "(no port)", title, *port->serial ? ", serial " : "",
            port->serial);
     if (obstacle)
@@ -85,25 +84,31 @@ int cmd_list(int argc, char **argv)
         return lccal_fail(LCCAL_USAGE, "list takes no '%s'", argv[1]);
     const size_t count = ports_scan(ports, PORTS_MAX);
     size_t shown = 0;
+    json event = lccal_event("list");
+    json_open(&event, "devices", '[');
     for (size_t i = 0; i < count; i++) {
         const usb_model *model = usb_model_find(ports[i].vendor, ports[i].product);
         if (is_repeated(ports, i) || (!model && (!all || !*ports[i].path)))
             continue;
-        show(&ports[i], model);
+        show(&ports[i], model, &event);
         shown++;
     }
+    json_close(&event, ']');
+    lccal_event_end(&event);
     if (shown == 0)
         lccal_say("No known instrument is plugged in. One on a serial adapter must be named: "
                   "lccal --port /dev/ttyUSB0 --instrument line:PRESET");
     return LCCAL_OK;
 }
 
-int lccal_find_port(char *port, size_t capacity, const char **driver)
+int lccal_find_port(lccal_measure_options *options, char *port, size_t capacity)
 {
+    if (options->port)
+        return LCCAL_OK;
     static port_info ports[PORTS_MAX];
     const size_t count = ports_scan(ports, PORTS_MAX);
     size_t usable = 0, known = 0;
-    const char *why = NULL;
+    const char *why = NULL, *driver = NULL;
     for (size_t i = 0; i < count; i++) {
         const usb_model *model = usb_model_find(ports[i].vendor, ports[i].product);
         if (!model || is_repeated(ports, i))
@@ -116,11 +121,14 @@ int lccal_find_port(char *port, size_t capacity, const char **driver)
         }
         if (usable++ == 0) {
             port_name(&ports[i], port, capacity);
-            *driver = model->driver;
+            driver = model->driver;
         }
     }
-    if (usable == 1)
+    if (usable == 1) {
+        options->port = port;
+        options->instrument = options->instrument ? options->instrument : driver;
         return LCCAL_OK;
+    }
     if (usable > 1)
         return lccal_fail(LCCAL_USAGE,
                           "%zu instruments are plugged in; choose one of `lccal list` "

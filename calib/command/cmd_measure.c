@@ -108,14 +108,9 @@ int cmd_measure(int argc, char **argv)
     if (result != LCCAL_OK)
         return result;
     char found[128];
-    const char *driver;
-    if (!o.port) {
-        result = lccal_find_port(found, sizeof found, &driver);
-        if (result != LCCAL_OK)
-            return result;
-        o.port = found;
-        o.instrument = o.instrument ? o.instrument : driver;
-    }
+    result = lccal_find_port(&o, found, sizeof found);
+    if (result != LCCAL_OK)
+        return result;
     const size_t n = strlen(output) + sizeof ".journal";
     char *path = malloc(n);
     if (!path)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* `lccal show`: what a profile, or measurements of another program, say. */
-#include "command/buffer.h"
-#include "command/profile_file.h"
+#include "command/export.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -13,7 +12,7 @@ static const char help[] =
     "  another program's .ti3 or CGATS text.\n"
     "\n"
     "  --readings          every reading, rejected ones marked\n"
-    "  --json              events \"profile\", \"keyword\" and \"reading\", one object a line\n"
+    "  --json              one object with all of that\n"
     "  --quiet, --help, --version\n";
 
 static void number(buffer *out, const char *name, double value, int decimals)
@@ -93,41 +92,17 @@ static void put_readings(buffer *out, const lcor_profile *profile)
     }
 }
 
-static void tell_events(const lcor_profile *profile, const lcor_profile_result *r, const char *path,
-                        bool readings)
+static void tell_event(const lcor_profile *profile, const lcor_profile_result *r, const char *path,
+                       bool readings)
 {
-    lcor_profile_reading reading;
-    lccal_event_begin("profile");
-    lccal_event_text("path", path);
-    lccal_event_number("contrast", r->contrast, 4);
-    lccal_event_number("contrast_u95", r->contrast_u95, 4);
-    lccal_event_number("d_min", r->d_min, 4);
-    lccal_event_number("d_max", r->d_max, 4);
-    lccal_event_number("u_min", r->u_min, 5);
-    lccal_event_number("u_max", r->u_max, 5);
-    lccal_event_number("readings", (double)lcor_profile_count(profile), 0);
-    lccal_event_number("grey_levels", (double)lcor_profile_grey_levels(profile), 0);
-    lccal_event_number("resolution", lcor_profile_resolution(profile), 6);
-    lccal_event_end();
-    for (size_t i = 0; i < lcor_profile_keyword_count(profile); i++) {
-        const char *name = lcor_profile_keyword_name(profile, i);
-        lccal_event_begin("keyword");
-        lccal_event_text("name", name);
-        lccal_event_text("value", lcor_profile_keyword(profile, name));
-        lccal_event_end();
-    }
-    for (size_t i = 0; readings && lcor_profile_reading_get(profile, i, &reading, NULL) == LCOR_OK;
-         i++) {
-        lccal_event_begin("reading");
-        lccal_event_text("id", reading.id);
-        lccal_event_text("name", reading.name);
-        if (reading.has & LCOR_HAS_VISUAL)
-            lccal_event_number("density", reading.density[3], 6);
-        if (reading.has & LCOR_HAS_XYZ)
-            lccal_event_number("y", reading.xyz[1], 6);
-        lccal_event_bool("rejected", reading.rejected);
-        lccal_event_end();
-    }
+    json event = lccal_event("profile");
+    json_text(&event, "path", path);
+    json_profile(&event, profile, r);
+    json_number(&event, "grey_levels", (double)lcor_profile_grey_levels(profile), 0);
+    json_number(&event, "count", (double)lcor_profile_count(profile), 0);
+    if (readings)
+        json_readings(&event, profile);
+    lccal_event_end(&event);
 }
 
 int cmd_show(int argc, char **argv)
@@ -145,15 +120,17 @@ int cmd_show(int argc, char **argv)
     if (status == LCCAL_OK)
         status = profile_evaluate(profile, &result);
     if (status == LCCAL_OK && lccal_json()) {
-        tell_events(profile, &result, argv[1], readings);
+        tell_event(profile, &result, argv[1], readings);
     } else if (status == LCCAL_OK) {
         buffer out = {0};
         put_summary(&out, profile, &result);
         put_keywords(&out, profile);
         if (readings)
             put_readings(&out, profile);
-        if (out.failed || fwrite(out.bytes, 1, out.size, stdout) != out.size || fflush(stdout) != 0)
-            status = lccal_fail(LCCAL_FAILED, "cannot write to standard output");
+        if (out.failed)
+            status = lccal_fail(LCCAL_FAILED, "out of memory");
+        else
+            fwrite(out.bytes, 1, out.size, stdout);
         buffer_free(&out);
     }
     lcor_profile_free(profile);

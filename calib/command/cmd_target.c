@@ -20,13 +20,7 @@ static const char help[] =
     "  --dpi N             of the TIFF, 72 to 1200 [300]\n"
     "  --json, --quiet, --help, --version\n";
 
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t n = strlen(text), m = strlen(end);
-    return n > m && strcmp(text + n - m, end) == 0;
-}
-
-static int save(buffer *bytes, const char *name, const char *ending)
+static int save(buffer *bytes, const char *name, const char *ending, json *files)
 {
     const size_t n = strlen(name) + strlen(ending) + 1;
     char *path = malloc(n);
@@ -39,30 +33,28 @@ static int save(buffer *bytes, const char *name, const char *ending)
     }
     if (status == LCCAL_OK) {
         lccal_say("chart in %s", path);
-        lccal_event_begin("target");
-        lccal_event_text("path", path);
-        lccal_event_end();
+        json_text(files, NULL, path);
     }
     free(path);
     buffer_free(bytes);
     return status;
 }
 
-static int write_chart(const target *t, const char *name, double dpi)
+static int write_chart(const target *t, const char *name, double dpi, json *files)
 {
-    const bool only_tiff = ends_with(name, ".tif") || ends_with(name, ".tiff");
-    const bool only_pdf = ends_with(name, ".pdf");
+    const bool only_tiff = lccal_ends_with(name, ".tif") || lccal_ends_with(name, ".tiff");
+    const bool only_pdf = lccal_ends_with(name, ".pdf");
     int status = LCCAL_OK;
     buffer bytes = {0};
     if (!only_pdf) {
         if (!target_tiff(t, dpi, &bytes))
             return lccal_fail(LCCAL_FAILED, "cannot make the TIFF: no memory, or lccal was built "
                                             "without libtiff; -o NAME.pdf writes the PDF alone");
-        status = save(&bytes, name, only_tiff ? "" : ".tif");
+        status = save(&bytes, name, only_tiff ? "" : ".tif", files);
     }
     if (status == LCCAL_OK && !only_tiff) {
         target_pdf(t, &bytes);
-        status = save(&bytes, name, only_pdf ? "" : ".pdf");
+        status = save(&bytes, name, only_pdf ? "" : ".pdf", files);
     }
     return status;
 }
@@ -91,7 +83,14 @@ int cmd_target(int argc, char **argv)
     if (steps > TARGET_STEPS_MAX || dpi < 72 || dpi > 1200)
         return lccal_fail(LCCAL_USAGE, "--steps wants 1 to %d, --dpi 72 to 1200", TARGET_STEPS_MAX);
     target_lay_out(&chart, letter ? 215.9 : 210.0, letter ? 279.4 : 297.0, steps);
-    status = write_chart(&chart, output, dpi);
+    json event = lccal_event("target");
+    json_open(&event, "paths", '[');
+    status = write_chart(&chart, output, dpi, &event);
+    if (status == LCCAL_OK) {
+        json_close(&event, ']');
+        lccal_event_end(&event);
+    }
+    buffer_free(&event.out);
     for (size_t i = 0; status == LCCAL_OK && target_instructions[i]; i++)
         lccal_say("%s", target_instructions[i]);
     return status;

@@ -43,9 +43,9 @@ static int verify_age(const lcor_profile *profile, const char *path, double max_
     char text[32], limit[32];
     lccal_format_number(text, sizeof text, days, 1);
     lccal_format_number(limit, sizeof limit, max_age, 1);
-    lccal_event_begin("age");
-    lccal_event_number("days", days, 2);
-    lccal_event_end();
+    json event = lccal_event("age");
+    json_number(&event, "days", days, 2);
+    lccal_event_end(&event);
     if (days > max_age)
         return lccal_fail(LCCAL_VERIFY_FAILED, "'%s' is %s days old, more than %s; measure again",
                           path, text, limit);
@@ -113,14 +113,14 @@ static int compare(const lcor_profile *old, const lcor_profile *new, double tole
     lccal_format_number(t, sizeof t, tolerance, 3);
     profile_contrast_text(&a, c, sizeof c);
     profile_contrast_text(&b, d, sizeof d);
-    lccal_event_begin("verify");
-    lccal_event_number("d_min_change", d_min, 4);
-    lccal_event_number("d_max_change", d_max, 4);
-    lccal_event_number("contrast_before", a.contrast, 4);
-    lccal_event_number("contrast_now", b.contrast, 4);
-    lccal_event_number("days_between", days, 2);
-    lccal_event_number("tolerance", tolerance, 4);
-    lccal_event_end();
+    json event = lccal_event("verify");
+    json_number(&event, "d_min_change", d_min, 4);
+    json_number(&event, "d_max_change", d_max, 4);
+    json_number(&event, "contrast_before", a.contrast, 4);
+    json_number(&event, "contrast_now", b.contrast, 4);
+    json_number(&event, "days_between", days, 2);
+    json_number(&event, "tolerance", tolerance, 4);
+    lccal_event_end(&event);
     if (fabs(d_min) > tolerance || fabs(d_max) > tolerance)
         return lccal_fail(
             LCCAL_VERIFY_FAILED,

@@ -3,8 +3,12 @@
 #ifndef LCCAL_EXPORT_H
 #define LCCAL_EXPORT_H
 
-#include "command/buffer.h"
+#include "buffer.h"
 #include "command/profile_file.h"
+
+/* Members of an object: what a profile says, and the list of its readings. */
+void json_profile(json *j, const lcor_profile *profile, const lcor_profile_result *result);
+void json_readings(json *j, const lcor_profile *profile);
 
 void export_json(const lcor_profile *profile, const lcor_profile_result *result, buffer *out);
 /* The names of CGATS in the first line; `lccal enter --import` reads it back. */

@@ -5,82 +5,72 @@
 
 enum { DECIMALS = 9 }; /* all that a profile holds of densities */
 
-static void put_string(buffer *out, const char *text)
+static void put_list(json *j, const char *key, const double *values, int n)
 {
-    static const char hex[] = "0123456789abcdef";
-    buffer_text(out, "\"");
-    for (const char *s = text; *s; s++) {
-        const unsigned char c = (unsigned char)*s;
-        const char escaped[] = {'\\', 'u', '0', '0', hex[c >> 4], hex[c & 15]};
-        if (c < 0x20 || c == '"' || c == '\\')
-            buffer_bytes(out, escaped, sizeof escaped);
-        else
-            buffer_bytes(out, s, 1);
-    }
-    buffer_text(out, "\"");
-}
-
-static void put_number(buffer *out, const char *key, double value)
-{
-    buffer_text(out, key);
-    buffer_number(out, value, DECIMALS);
-}
-
-static void put_list(buffer *out, const char *key, const double *values, int n)
-{
-    buffer_text(out, key);
+    json_open(j, key, '[');
     for (int i = 0; i < n; i++)
-        put_number(out, i ? ", " : "[", values[i]);
-    buffer_text(out, "]");
+        json_number(j, NULL, values[i], DECIMALS);
+    json_close(j, ']');
 }
 
-static void json_reading(buffer *out, const lcor_profile_reading *r)
+void json_profile(json *j, const lcor_profile *profile, const lcor_profile_result *r)
 {
-    buffer_text(out, "    {\"id\": ");
-    put_string(out, r->id);
-    buffer_text(out, ", \"name\": ");
-    put_string(out, r->name);
-    if (r->has & LCOR_HAS_RGB)
-        put_list(out, ", \"rgb\": ", r->rgb, 3);
-    if (r->has & LCOR_HAS_CMYK)
-        put_list(out, ", \"cmyk\": ", r->cmyk, 4);
-    if (r->has & LCOR_HAS_COLOUR_DENSITY)
-        put_list(out, ", \"density_rgb\": ", r->density, 3);
-    if (r->has & LCOR_HAS_VISUAL)
-        put_number(out, ", \"density\": ", r->density[3]);
-    if (r->has & LCOR_HAS_XYZ)
-        put_list(out, ", \"xyz\": ", r->xyz, 3);
-    buffer_text(out, r->rejected ? ", \"rejected\": true}" : ", \"rejected\": false}");
-}
-
-void export_json(const lcor_profile *profile, const lcor_profile_result *r, buffer *out)
-{
-    put_number(out, "{\n  \"contrast\": ", r->contrast);
-    put_number(out, ",\n  \"contrast_u95\": ", r->contrast_u95);
-    put_number(out, ",\n  \"d_min\": ", r->d_min);
-    put_number(out, ",\n  \"d_max\": ", r->d_max);
-    put_number(out, ",\n  \"u_min\": ", r->u_min);
-    put_number(out, ",\n  \"u_max\": ", r->u_max);
-    put_number(out, ",\n  \"n_min\": ", (double)r->n_min);
-    put_number(out, ",\n  \"n_max\": ", (double)r->n_max);
-    put_number(out, ",\n  \"resolution\": ", lcor_profile_resolution(profile));
-    buffer_text(out, lcor_profile_black_get(profile) == LCOR_BLACK_DARKEST
-                         ? ",\n  \"black\": \"darkest\",\n  \"keywords\": {"
-                         : ",\n  \"black\": \"full\",\n  \"keywords\": {");
+    const bool darkest = lcor_profile_black_get(profile) == LCOR_BLACK_DARKEST;
+    json_number(j, "contrast", r->contrast, DECIMALS);
+    json_number(j, "contrast_u95", r->contrast_u95, DECIMALS);
+    json_number(j, "d_min", r->d_min, DECIMALS);
+    json_number(j, "d_max", r->d_max, DECIMALS);
+    json_number(j, "u_min", r->u_min, DECIMALS);
+    json_number(j, "u_max", r->u_max, DECIMALS);
+    json_number(j, "n_min", (double)r->n_min, 0);
+    json_number(j, "n_max", (double)r->n_max, 0);
+    json_number(j, "resolution", lcor_profile_resolution(profile), DECIMALS);
+    json_text(j, "black", darkest ? "darkest" : "full");
+    json_open(j, "keywords", '{');
     for (size_t i = 0; i < lcor_profile_keyword_count(profile); i++) {
         const char *name = lcor_profile_keyword_name(profile, i);
-        buffer_text(out, i ? ",\n    " : "\n    ");
-        put_string(out, name);
-        buffer_text(out, ": ");
-        put_string(out, lcor_profile_keyword(profile, name));
+        json_text(j, name, lcor_profile_keyword(profile, name));
     }
-    buffer_text(out, "\n  },\n  \"readings\": [\n");
-    lcor_profile_reading reading;
-    for (size_t i = 0; lcor_profile_reading_get(profile, i, &reading, NULL) == LCOR_OK; i++) {
-        buffer_text(out, i ? ",\n" : "");
-        json_reading(out, &reading);
-    }
-    buffer_text(out, "\n  ]\n}\n");
+    json_close(j, '}');
+}
+
+static void put_reading(json *j, const lcor_profile_reading *r)
+{
+    json_open(j, NULL, '{');
+    json_text(j, "id", r->id);
+    json_text(j, "name", r->name);
+    if (r->has & LCOR_HAS_RGB)
+        put_list(j, "rgb", r->rgb, 3);
+    if (r->has & LCOR_HAS_CMYK)
+        put_list(j, "cmyk", r->cmyk, 4);
+    if (r->has & LCOR_HAS_COLOUR_DENSITY)
+        put_list(j, "density_rgb", r->density, 3);
+    if (r->has & LCOR_HAS_VISUAL)
+        json_number(j, "density", r->density[3], DECIMALS);
+    if (r->has & LCOR_HAS_XYZ)
+        put_list(j, "xyz", r->xyz, 3);
+    json_bool(j, "rejected", r->rejected != 0);
+    json_close(j, '}');
+}
+
+void json_readings(json *j, const lcor_profile *profile)
+{
+    lcor_profile_reading r;
+    json_open(j, "readings", '[');
+    for (size_t i = 0; lcor_profile_reading_get(profile, i, &r, NULL) == LCOR_OK; i++)
+        put_reading(j, &r);
+    json_close(j, ']');
+}
+
+void export_json(const lcor_profile *profile, const lcor_profile_result *result, buffer *out)
+{
+    json j = {.out = *out};
+    json_open(&j, NULL, '{');
+    json_profile(&j, profile, result);
+    json_readings(&j, profile);
+    json_close(&j, '}');
+    buffer_text(&j.out, "\n");
+    *out = j.out;
 }
 
 /* A cell; names hold no quotes. */
@@ -94,8 +84,10 @@ static void csv_text(buffer *out, const char *text)
 
 static void csv_numbers(buffer *out, bool wanted, const double *values, int n)
 {
-    for (int i = 0; wanted && i < n; i++)
-        put_number(out, ",", values[i]);
+    for (int i = 0; wanted && i < n; i++) {
+        buffer_text(out, ",");
+        buffer_number(out, values[i], DECIMALS);
+    }
 }
 
 void export_csv(const lcor_profile *profile, buffer *out)

@@ -171,6 +171,16 @@ static void write_format(table *t, char names[][NAME_MAX + 1], buffer *out)
                                    : " END_DATA_FORMAT BEGIN_DATA");
 }
 
+/* Spreadsheets may name the separator in a line of its own before the table: sep=; */
+static void take_separator(table *t, buffer *out)
+{
+    if (t->end - t->at < 6 || memcmp(t->at, "sep=", 4) != 0 ||
+        (t->at[5] != '\n' && t->at[5] != '\r'))
+        return;
+    t->at += 5;
+    next_line(t, out);
+}
+
 static bool read_names(table *t, buffer *out)
 {
     char names[COLUMNS_MAX][NAME_MAX + 1];
@@ -221,7 +231,9 @@ static bool read_row(table *t, buffer *out)
             return false;
         more = !at_line_end(t);
         if (++count > t->columns)
-            return fail(t, "more cells than the first line has names");
+            return fail(t,
+                        "more cells than the first line has names (numbers need a decimal point, "
+                        "not a comma)");
         if (count == t->name_column)
             memcpy(name, cell, sizeof name);
         buffer_text(out, " \"");
@@ -241,6 +253,7 @@ bool import_table(const char *text, size_t size, buffer *cgats, char *problem, s
         t.at += 3;
     if (size >= 2 && (memcmp(text, "\xFF\xFE", 2) == 0 || memcmp(text, "\xFE\xFF", 2) == 0))
         return fail(&t, "the text is UTF-16; save it as UTF-8 or ASCII");
+    take_separator(&t, cgats);
     if (!find_row(&t, cgats))
         return fail(&t, "the file is empty");
     if (!read_names(&t, cgats))

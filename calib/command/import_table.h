@@ -3,7 +3,7 @@
 #ifndef LCCAL_IMPORT_TABLE_H
 #define LCCAL_IMPORT_TABLE_H
 
-#include "command/buffer.h"
+#include "buffer.h"
 
 /* Does the text hold a CGATS data section? */
 bool import_is_cgats(const char *text, size_t size);

@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 int profile_load(const char *path, lcor_profile **out)
 {
@@ -17,10 +16,13 @@ int profile_load(const char *path, lcor_profile **out)
         return loaded;
     const lcor_status status = lcor_profile_parse(text, size, NULL, out, &err);
     free(text);
-    if (status == LCOR_OK)
-        return LCCAL_OK;
+    return status == LCOR_OK ? LCCAL_OK : profile_refuse(path, status, &err);
+}
+
+int profile_refuse(const char *path, lcor_status status, const lcor_error *err)
+{
     return lccal_fail(status == LCOR_ERR_NOMEM ? LCCAL_FAILED : LCCAL_BAD_PROFILE, "'%s': %s", path,
-                      err.text);
+                      err->text);
 }
 
 int profile_save(const lcor_profile *profile, const char *path)
@@ -79,13 +81,13 @@ void profile_tell_result(const lcor_profile *profile, const lcor_profile_result 
     lccal_say(display ? "J_max %s, J_min %s cd/m2, contrast %s%s; profile in '%s'"
                       : "D_min %s, D_max %s, contrast %s%s; profile in '%s'",
               light, dark, contrast, r->contrast_u95 > 0.0 ? " (95 %)" : "", path);
-    lccal_event_begin("result");
-    lccal_event_number(display ? "j_max" : "d_min", white, 4);
-    lccal_event_number(display ? "j_min" : "d_max", black, 4);
-    lccal_event_number("contrast", r->contrast, 4);
-    lccal_event_number("contrast_u95", r->contrast_u95, 4);
-    lccal_event_text("profile", path);
-    lccal_event_end();
+    json event = lccal_event("result");
+    json_number(&event, display ? "j_max" : "d_min", white, 4);
+    json_number(&event, display ? "j_min" : "d_max", black, 4);
+    json_number(&event, "contrast", r->contrast, 4);
+    json_number(&event, "contrast_u95", r->contrast_u95, 4);
+    json_text(&event, "profile", path);
+    lccal_event_end(&event);
 }
 
 int profile_describe(lcor_profile *profile, const char *keyword, const char *value)
@@ -130,13 +132,4 @@ double profile_created(const lcor_profile *profile)
         seconds +=
             3600.0 * digits(text + 11, 2) + 60.0 * digits(text + 14, 2) + digits(text + 17, 2);
     return seconds;
-}
-
-const char *profile_now(char *text, size_t capacity)
-{
-    const time_t now = time(NULL);
-    const struct tm *utc = gmtime(&now);
-    if (!utc || strftime(text, capacity, "%Y-%m-%dT%H:%M:%SZ", utc) == 0)
-        text[0] = '\0';
-    return text;
 }

@@ -8,6 +8,8 @@
 /* Failure is told to the user; both return an exit code. Saving keeps the old file as `path~`. */
 int profile_load(const char *path, lcor_profile **out);
 int profile_save(const lcor_profile *profile, const char *path);
+/* Tell why the text at `path` is no profile; returns the exit code. */
+int profile_refuse(const char *path, lcor_status status, const lcor_error *err);
 
 /* What follows from the readings; LCCAL_BAD_PROFILE after telling the user when nothing does. */
 int profile_evaluate(const lcor_profile *profile, lcor_profile_result *result);
@@ -29,7 +31,5 @@ int profile_describe(lcor_profile *profile, const char *keyword, const char *val
 
 /* CREATED as seconds since 1970 (UTC), or -1 if it is no ISO 8601 date. */
 double profile_created(const lcor_profile *profile);
-/* Now, as CREATED has it. Returns text. */
-const char *profile_now(char *text, size_t capacity);
 
 #endif

@@ -3,7 +3,7 @@
 #ifndef LCCAL_TARGET_H
 #define LCCAL_TARGET_H
 
-#include "command/buffer.h"
+#include "buffer.h"
 
 typedef struct rectangle {
     double x, y, width, height; /* mm from the upper left corner of the page */

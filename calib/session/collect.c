@@ -166,11 +166,11 @@ static void announce(const session *s, const patch *p, const attempt *a, size_t 
     lccal_format_number(text, sizeof text, shown, 3);
     lccal_say("  %s %zu/%zu  %s%s%s", p->name, a->count, wanted, display ? "" : "D ", text,
               display ? " cd/m2" : "");
-    lccal_event_begin("reading");
-    lccal_event_text("patch", p->name);
-    lccal_event_number("number", (double)a->count, 0);
-    lccal_event_number(display ? "luminance" : "density", shown, 4);
-    lccal_event_end();
+    json event = lccal_event("reading");
+    json_text(&event, "patch", p->name);
+    json_number(&event, "number", (double)a->count, 0);
+    json_number(&event, display ? "luminance" : "density", shown, 4);
+    lccal_event_end(&event);
 }
 
 /* Judge a patch's readings and mark those that take no part. Over several positions the patch
@@ -220,11 +220,11 @@ static void report_evenness(const patch *p, const attempt *a)
     }
     lccal_format_number(text, sizeof text, highest - lowest, 3);
     lccal_say("  %s varies by D %s over %zu positions", p->name, text, a->count);
-    lccal_event_begin("evenness");
-    lccal_event_text("patch", p->name);
-    lccal_event_number("lowest", lowest, 4);
-    lccal_event_number("highest", highest, 4);
-    lccal_event_end();
+    json event = lccal_event("evenness");
+    json_text(&event, "patch", p->name);
+    json_number(&event, "lowest", lowest, 4);
+    json_number(&event, "highest", highest, 4);
+    lccal_event_end(&event);
 }
 
 int session_patch(session *s, patch *p)

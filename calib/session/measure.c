@@ -8,7 +8,6 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 enum { WHITE, BLACK, FIRST_STEP, AGAIN = -1, REFINE_ROUNDS = 4 };
 
@@ -60,9 +59,9 @@ int session_ask(session *s, const patch *p)
         instrument_fail(&s->in, status, &err);
         return session_fail(&err);
     }
-    lccal_event_begin("ready"); /* readings are taken from now on */
-    lccal_event_text("patch", p->name);
-    lccal_event_end();
+    json event = lccal_event("ready"); /* readings are taken from now on */
+    json_text(&event, "patch", p->name);
+    lccal_event_end(&event);
     return LCCAL_OK;
 }
 
@@ -206,20 +205,18 @@ static void plan_patches(session *s)
 
 static int provenance(session *s)
 {
-    char text[256], created[32];
+    char text[256], now[32];
     const char *source = "reflection density, visual";
-    const time_t now = time(NULL);
-    struct tm utc;
     switch (s->kind) {
     case READING_REFLECTION: break;
     case READING_TRANSMISSION: source = "transmission density, visual"; break;
     case READING_LUMINANCE: source = "luminance, cd/m2"; break;
     }
     session_describe(&s->in, text, sizeof text);
-    strftime(created, sizeof created, "%Y-%m-%dT%H:%M:%SZ", gmtime_r(&now, &utc));
     lcor_error err;
     if (lcor_profile_keyword_set(s->profile, "INSTRUMENTATION", text, &err) != LCOR_OK ||
-        lcor_profile_keyword_set(s->profile, "CREATED", created, &err) != LCOR_OK ||
+        lcor_profile_keyword_set(s->profile, "CREATED", lccal_now(now, sizeof now), &err) !=
+            LCOR_OK ||
         lcor_profile_keyword_set(s->profile, "MEASUREMENT_SOURCE", source, &err) != LCOR_OK ||
         lcor_profile_resolution_set(s->profile, s->step, &err) != LCOR_OK)
         return lccal_fail(LCCAL_FAILED, "%s", err.text);

@@ -45,12 +45,12 @@ static void announce(const session *s)
         lccal_warn("the driver %s is experimental: compare its first readings with another "
                    "instrument's",
                    s->in.driver->name);
-    lccal_event_begin("instrument");
-    lccal_event_text("driver", s->in.driver->name);
-    lccal_event_text("port", s->in.port->name);
+    json event = lccal_event("instrument");
+    json_text(&event, "driver", s->in.driver->name);
+    json_text(&event, "port", s->in.port->name);
     for (size_t i = 0; i < s->in.fact_count; i++)
-        lccal_event_text(s->in.facts[i].key, s->in.facts[i].value);
-    lccal_event_end();
+        json_text(&event, s->in.facts[i].key, s->in.facts[i].value);
+    lccal_event_end(&event);
 }
 
 int session_open(session *s, const lccal_measure_options *options)

@@ -34,10 +34,10 @@ answer prompt_line(const char *patch, const char *question, char *line, size_t c
 {
     fprintf(stderr, "%s ", question);
     fflush(stderr);
-    lccal_event_begin("prompt");
-    lccal_event_text("patch", patch);
-    lccal_event_text("text", question);
-    lccal_event_end();
+    json event = lccal_event("prompt");
+    json_text(&event, "patch", patch);
+    json_text(&event, "text", question);
+    lccal_event_end(&event);
     size_t n = 0;
     for (int byte = next_byte(); byte != '\n'; byte = next_byte()) {
         if (byte < 0) {

@@ -13,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 #include <wchar.h>
 
@@ -31,14 +30,6 @@ typedef struct hid {
     hid_device *device;
 } hid;
 
-static int64_t now_ms(transport *t)
-{
-    (void)t;
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
-}
-
 static cal_status hid_port_write(transport *t, const void *bytes, size_t n, int timeout_ms)
 {
     (void)timeout_ms; /* hidraw queues the report in the kernel and returns */
@@ -51,7 +42,7 @@ static cal_status hid_port_read(transport *t, void *bytes, size_t capacity, size
                                 int timeout_ms)
 {
     hid *h = (hid *)t;
-    const int64_t deadline = now_ms(t) + timeout_ms;
+    const int64_t deadline = transport_clock(t) + timeout_ms;
     *got = 0;
     for (;;) {
         if (interrupt_pending())
@@ -94,7 +85,7 @@ static const transport_ops hid_ops = {
     .read = hid_port_read,
     .set_feature = hid_port_set_feature,
     .get_feature = hid_port_get_feature,
-    .now_ms = now_ms,
+    .now_ms = transport_clock,
     .close = hid_port_close,
 };
 

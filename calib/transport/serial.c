@@ -13,7 +13,6 @@
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <termios.h>
-#include <time.h>
 #include <unistd.h>
 
 typedef struct serial {
@@ -23,20 +22,12 @@ typedef struct serial {
     struct termios before;
 } serial;
 
-static int64_t now_ms(transport *t)
-{
-    (void)t;
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
-}
-
 /* Wait until the port is ready for `events`; a hang-up is seen at once, and so is SIGINT. */
 static cal_status wait_for(serial *s, short events, int timeout_ms)
 {
     struct pollfd fds[2] = {{.fd = s->fd, .events = events},
                             {.fd = interrupt_fd(), .events = POLLIN}};
-    const int64_t deadline = now_ms(&s->base) + timeout_ms;
+    const int64_t deadline = transport_clock(&s->base) + timeout_ms;
     for (;;) {
         if (interrupt_pending())
             return CAL_INTERRUPTED;
@@ -57,7 +48,7 @@ static cal_status serial_read(transport *t, void *bytes, size_t capacity, size_t
                               int timeout_ms)
 {
     serial *s = (serial *)t;
-    const int64_t deadline = now_ms(t) + timeout_ms;
+    const int64_t deadline = transport_clock(t) + timeout_ms;
     *got = 0;
     for (;;) {
         const cal_status status = wait_for(s, POLLIN, transport_left(t, deadline));
@@ -82,7 +73,7 @@ static cal_status serial_write(transport *t, const void *bytes, size_t n, int ti
 {
     serial *s = (serial *)t;
     const char *next = bytes;
-    const int64_t deadline = now_ms(t) + timeout_ms;
+    const int64_t deadline = transport_clock(t) + timeout_ms;
     while (n > 0) {
         const cal_status status = wait_for(s, POLLOUT, transport_left(t, deadline));
         if (status != CAL_OK)
@@ -172,7 +163,7 @@ static const transport_ops serial_ops = {
     .configure = serial_configure,
     .write = serial_write,
     .read = serial_read,
-    .now_ms = now_ms,
+    .now_ms = transport_clock,
     .close = serial_close,
 };
 

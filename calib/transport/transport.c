@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
 #include "transport/transport.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
 cal_status cal_fail(cal_error *err, cal_status status, const char *format, ...)
 {
@@ -35,6 +37,14 @@ cal_status transport_open(const char *port, transport **out, cal_error *err)
     if (strncmp(port, "hid:", 4) == 0 || strncmp(port, "/dev/hidraw", 11) == 0)
         return hid_open_port(port, out, err);
     return serial_open(port, out, err);
+}
+
+int64_t transport_clock(transport *t)
+{
+    (void)t;
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
 }
 
 int transport_left(transport *t, int64_t deadline)

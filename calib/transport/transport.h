@@ -87,6 +87,8 @@ cal_status record_open(transport *inner, const char *path, transport **out, cal_
 
 /* Throw away what arrives until `quiet_ms` passed without a byte, for `limit_ms` at most. */
 cal_status transport_drain(transport *t, int quiet_ms, int limit_ms);
+/* now_ms of ports whose time is the machine's. */
+int64_t transport_clock(transport *t);
 /* Milliseconds left until `deadline` of t's clock, never negative. */
 int transport_left(transport *t, int64_t deadline);
 

@@ -130,17 +130,17 @@ static void csv_is_read_back(void **unused)
 static void json_escapes_what_it_must(void **unused)
 {
     (void)unused;
-    buffer json = {0};
+    buffer out = {0};
     lcor_profile_result r;
     lcor_profile *profile = device(false);
     assert_int_equal(lcor_profile_keyword_set(profile, "MATERIAL", "a\\b caf\xC3\xA9", NULL),
                      LCOR_OK);
     assert_int_equal(profile_evaluate(profile, &r), LCCAL_OK);
-    export_json(profile, &r, &json);
-    assert_non_null(strstr(json.bytes, "\"MATERIAL\": \"a\\u005cb caf\xC3\xA9\""));
-    assert_non_null(strstr(json.bytes, "\"d_min\": 0.1,"));
+    export_json(profile, &r, &out);
+    assert_non_null(strstr(out.bytes, "\"MATERIAL\":\"a\\u005cb caf\xC3\xA9\""));
+    assert_non_null(strstr(out.bytes, "\"d_min\":0.1,"));
     lcor_profile_free(profile);
-    buffer_free(&json);
+    buffer_free(&out);
 }
 
 /* Figures, frames and patches of the chart stay on the page and do not cover each other's patch. */

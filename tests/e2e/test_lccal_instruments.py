@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Every instrument, from its wire to the profile."""
 
+import json
 import shutil
 import subprocess
 import sys
@@ -199,7 +200,7 @@ def test_instrument_that_is_plugged_in_needs_no_port(tmp_path):
 def test_list_shows_what_is_plugged_in():
     run = on_usb("list", "--json")
     assert run.returncode == 0, run.stderr
-    (device,) = events(run.stdout)
+    (device,) = json.loads(run.stdout)["devices"]
     assert device["port"] == "hid:273f:1004"
     assert device["instrument"] == "colorhug2"
     assert device["obstacle"] == ""
@@ -208,5 +209,6 @@ def test_list_shows_what_is_plugged_in():
 def test_doctor_finds_the_plugged_in_instrument_usable():
     run = on_usb("doctor", "--json")
     assert run.returncode == 0, run.stdout
-    checks = [event for event in events(run.stdout) if event["subject"] != "udev rules"]
+    checks = [check for check in json.loads(run.stdout)["checks"]
+              if check["subject"] != "udev rules"]
     assert len(checks) == 3 and all(check["good"] for check in checks)

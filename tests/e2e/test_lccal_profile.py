@@ -24,6 +24,12 @@ def dated(path, date):
     return path
 
 
+def history(*paths):
+    run = lccal("history", *paths, "--json")
+    assert run.returncode == 0, run.stderr
+    return json.loads(run.stdout)["profiles"]
+
+
 @pytest.fixture
 def profile(tmp_path):
     return enter(tmp_path / "p.cgats", "--material", "glossy")
@@ -41,12 +47,12 @@ def test_show_tells_what_the_profile_says(profile):
 
 def test_show_speaks_json(profile):
     run = lccal("show", profile, "--readings", "--json")
-    told = events(run.stdout)
-    assert told[0]["event"] == "profile"
-    assert told[0]["contrast"] == pytest.approx(23.4423)
-    assert {"event": "keyword", "name": "MATERIAL", "value": "glossy"} in told
-    assert [event["density"] for event in told if event["event"] == "reading"] == [
+    told = json.loads(run.stdout)
+    assert told["contrast"] == pytest.approx(23.4423)
+    assert told["keywords"]["MATERIAL"] == "glossy"
+    assert [reading["density"] for reading in told["readings"]] == [
         0.07, 0.07, 0.08, 1.43, 1.44, 1.45]
+    assert "readings" not in json.loads(lccal("show", profile, "--json").stdout)
 
 
 def test_show_reads_other_programs_files():
@@ -62,7 +68,7 @@ def test_displays_are_told_in_luminances(tmp_path):
     assert run.returncode == 0, run.stderr
     assert "J_max 120.000, J_min 0.150 cd/m2, contrast 800.00" in run.stderr
     assert "J_max (cd/m2)   120 " in lccal("show", profile).stdout
-    assert events(lccal("history", profile, "--json").stdout)[0]["j_min"] == 0.15
+    assert history(profile)[0]["j_min"] == 0.15
     assert lccal("export", profile, "-o", tmp_path / "d.icc").returncode == 0
     assert (tmp_path / "d.icc").read_bytes()[12:16] == b"mntr"
 
@@ -160,9 +166,7 @@ def test_history_is_in_the_order_of_dates(tmp_path):
                              ("c", "2026-01-01", "1.44")):
         dated(enter(tmp_path / f"{name}.cgats", dmax=dmax), date)
     (tmp_path / "notes.txt").write_text("no profile")
-    run = lccal("history", tmp_path, "--json")
-    assert run.returncode == 0, run.stderr
-    told = events(run.stdout)
+    told = history(tmp_path)
     assert [event["created"] for event in told] == ["2026-01-01", "2026-03-01", "2026-05-01"]
     assert told[0]["change_percent"] == 0
     assert told[1]["change_percent"] == pytest.approx(100 * (10**-0.14 - 1), abs=0.1)
@@ -172,7 +176,7 @@ def test_history_is_in_the_order_of_dates(tmp_path):
 
 def test_history_lists_the_backup(tmp_path, profile):
     enter(profile, dmax="1.30")
-    told = events(lccal("history", profile, "--json").stdout)
+    told = history(profile)
     assert {event["path"] for event in told} == {str(profile), f"{profile}~"}
 
 
@@ -313,7 +317,8 @@ def test_every_command_explains_itself(command):
     assert run.returncode == 2 and "--no-such-option" in run.stderr
 
 
-@pytest.mark.parametrize("command", [["show"], ["export", "-o", "-", "--format", "json"]])
+@pytest.mark.parametrize("command", [["show"], ["show", "--json"], ["history"],
+                                     ["export", "-o", "-", "--format", "json"]])
 def test_output_that_cannot_be_written_is_told(profile, command):
     with open("/dev/full", "w", encoding="ascii") as full:
         run = subprocess.run([LCCAL, *command, profile], stdout=full, stderr=subprocess.PIPE,

@@ -38,5 +38,5 @@ room lib/src/profile   $base lcor/adapt.h lcor/profile.h profile/
 posix="dirent.h fcntl.h getopt.h glob.h grp.h libgen.h poll.h pwd.h pty.h signal.h sys/ termios.h unistd.h"
 room calib/transport  $std $posix number.h transport/ hidapi
 room calib/instrument $std number.h transport/ instrument/
-room calib $std $posix lcor/ lccal.h number.h transport/ instrument/ session/ command/ hidapi libusb tiffio.h linux/hidraw.h
+room calib $std $posix lcor/ lccal.h number.h buffer.h json.h transport/ instrument/ session/ command/ hidapi libusb tiffio.h linux/hidraw.h
 exit $bad

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "command/buffer.h"
+#include "buffer.h"
 
 #include "lccal.h"
 
