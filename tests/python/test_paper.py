@@ -56,7 +56,8 @@ def test_the_command_writes_every_claim(tmp_path):
     unlike = [row for row in rows if row["agreement"] == "no"]
     assert not unlike
     assert any("not reproduced as printed" in row["agreement"] for row in rows)
-    for name in ("figure1.png", "figure2.png", "figure4-floor.png", "figure5.png", "claims.md"):
+    figures = ("1", "2", "3", "4-floor", "5")
+    for name in (*(f"figure{number}.png" for number in figures), "claims.md"):
         assert (tmp_path / "new" / name).stat().st_size > 500
         assert name in done.stdout
 
@@ -71,6 +72,19 @@ def test_the_command_says_what_it_could_not_write(tmp_path):
     assert done.returncode == 1 and done.stderr.count("\n") == 1
 
 
+def test_hue_turns_with_eq_19_and_not_with_the_correction():
+    tiles, light = paper.tiles(), paper.lamp()
+    assert light.max() / light.min() > 4
+    new = lcor.correct(tiles, light, 23.4, space="srgb", transfer="srgb")
+    old = lcor.conventional(tiles, light / light.mean(), space="srgb", transfer="srgb")
+    assert np.abs(plots.hue_change(tiles, new)).max() < 1e-6
+    assert np.abs(plots.hue_change(tiles, old)).max() > 10
+    assert plots.hue_change([0.5, 0.5, 0.5], [0.5, 0.1, 0.1]) == 0  # grey has no hue
+    red, pink = [[0.6, 0.2, 0.2 + d] for d in (-0.01, 0.01)]
+    turns = plots.hue_change(red, pink), plots.hue_change(pink, red)
+    assert turns[0] == -turns[1] and 0 < abs(turns[0]) < 10
+
+
 def test_every_plot_draws(tmp_path):
     random = np.random.default_rng(0)
     texture, light = random.random((12, 16, 3)), random.random((12, 16)) + 0.01
@@ -82,6 +96,7 @@ def test_every_plot_draws(tmp_path):
     scene, _ = paper.room()
     figures = {
         "before-after": plots.before_after(texture, plan.apply(texture, light)[0]),
+        "figure3": plots.figure3(texture, light),
         "masks": plots.masks(plan, texture, light * 5),
         "false-colour": plots.false_colour(light, "lx"),
         "repeatability": plots.repeatability(profile),

@@ -41,7 +41,7 @@ def contrast() -> Claim:
         "5.1",
         "contrast c = 23.4 from the greatest and least density",
         f"densities {math.log10(CONTRAST):.4f} apart give c = {c:.4f}",
-        "yes",
+        "yes" if abs(c / CONTRAST - 1) < 1e-12 else "no",
     )
 
 
@@ -157,7 +157,7 @@ def clipped_turn() -> float:
 def chroma_claims(data: dict[str, NDArray[Any]]) -> list[Claim]:
     """Figure 5 (c): chroma."""
     light, chroma = data["illuminance"], data["new_chroma"]
-    peak = int(np.argmax(chroma))
+    peak, change = int(np.argmax(chroma)), np.diff(chroma)
     r, g, b = (1 / value for value in COLOUR)
     before = light < 0.99 * g
     bends = kinks(light[before], data["old_chroma"][before], 2)
@@ -172,7 +172,7 @@ def chroma_claims(data: dict[str, NDArray[Any]]) -> list[Claim]:
             f"peak {chroma[peak]:.2f} at illuminance {light[peak]:.3f} of the mean, the "
             f"texture's own "
             f"chroma being {float(lcor.chroma(lcor.rgb_to_lab(COLOUR))):.2f}",
-            "yes",
+            "yes" if (change[:peak] > -1e-9).all() and (change[peak:] < 1e-9).all() else "no",
         ),
         Claim(
             "6, fig. 5c",
@@ -189,9 +189,32 @@ def chroma_claims(data: dict[str, NDArray[Any]]) -> list[Claim]:
             f"1 from {float(saturated.min()):.3f} on, where the gamut rule lowers chroma; "
             f"clipping that "
             f"channel instead would turn hue by {clipped_turn():.2f} degrees",
-            "yes for lightness; R needs the gamut rule just below white",
+            "yes for lightness; R needs the gamut rule just below white"
+            if abs(float(white.min()) / high - 1) < 1e-3
+            else "no",
         ),
     ]
+
+
+def tiles() -> NDArray[Any]:
+    """A texture for figure 3: tiles of every hue with a little grain, (120, 160, 3)."""
+    random = np.random.default_rng(7)
+    lab = np.empty((6, 8, 3))
+    angle = random.permutation(48) * (2 * np.pi / 48)
+    lab[..., 0] = random.uniform(45, 80, (6, 8))
+    lab[..., 1] = 40 * np.cos(angle).reshape(6, 8)
+    lab[..., 2] = 40 * np.sin(angle).reshape(6, 8)
+    grain = random.normal(0, 0.02, (120, 160, 1))
+    flat = np.kron(lcor.lab_to_rgb(lab, "srgb", transfer="srgb"), np.ones((20, 20, 1)))
+    return np.clip(flat + grain, 0, 1)
+
+
+def lamp() -> NDArray[Any]:
+    """Illuminance for figure 3: a lamp before a wall, (120, 160)."""
+    scene = lcor.Scene()
+    wall = scene.add_quad((0, 0.75, 0), (0, -0.75, 0), (1, 0, 0), patches=(120, 160))
+    scene.add_point_light((0.35, 0.35, 0.5))
+    return lcor.solve_radiosity(scene).irradiance(wall)
 
 
 def room() -> tuple[lcor.Scene, list[int]]:
@@ -279,10 +302,22 @@ def write_figures(directory: Path) -> list[tuple[str, str]]:
 
     scene, surfaces = room()
     floor = lcor.solve_radiosity(scene, tolerance=1e-3).irradiance(surfaces[0])
+    seen_from_above = floor.T[::-1]  # x to the right, y up
     figures = [
         ("figure1.png", "adaptation, eq 8", plots.adaptation(CONTRAST)),
         ("figure2.png", "chroma against lightness, eq 16", plots.chroma_rule()),
-        ("figure4-floor.png", "illuminance of the room's floor", plots.false_colour(floor)),
+        (
+            "figure3.png",
+            "texture, illuminance, eq 19 and the correction, with how they turn hue",
+            plots.figure3(tiles(), lamp(), CONTRAST),
+        ),
+        (
+            "figure4-floor.png",
+            "illuminance of the room's floor",
+            plots.false_colour(
+                seen_from_above, "flux / area, lamp of intensity 1", "the room's floor from above"
+            ),
+        ),
         (
             "figure5.png",
             "luminance, hue and chroma against illuminance",

@@ -17,7 +17,9 @@ try:
     from matplotlib.axes import Axes
     from matplotlib.colors import ListedColormap, LogNorm
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 except ImportError as error:
     raise ImportError('lcor.plots needs matplotlib: pip install "lcor[plots]"') from error
 
@@ -104,6 +106,14 @@ def sweep(
     return data
 
 
+def _log_ticks(ax: Axes, low: float, high: float) -> None:
+    """Powers of two as people say them: 1/4, 1/2, 1, 2."""
+    ticks = [k for k in range(-20, 21) if low <= 2.0**k <= high]
+    ax.set_xscale("log", base=2)
+    ax.set_xticks([2.0**k for k in ticks], [f"{2**k}" if k >= 0 else f"1/{2**-k}" for k in ticks])
+    ax.minorticks_off()
+
+
 def figure5(
     contrast: float = 23.4, rgb: Sequence[float] = (250 / 255, 50 / 255, 150 / 255)
 ) -> Figure:
@@ -111,43 +121,61 @@ def figure5(
 
     Parameters as for :func:`sweep`.
     """
-    data = sweep(contrast, rgb)
+    data = sweep(contrast, rgb, 8.0 ** np.linspace(-1.4, 1, 1441))
     light = data["illuminance"]
-    figure, axes = _figure(3)
+    figure, axes = _figure(3, height=3.7)
     panels = [
-        ("luminance", "(a) display luminance H / Jcen", "log"),
-        ("hue", "(b) hue angle [degrees]", "linear"),
-        ("chroma", "(c) chroma", "linear"),
+        ("luminance", r"(a) display luminance $H / J_{cen}$"),
+        ("hue", r"(b) hue angle $\theta$ [degrees]"),
+        ("chroma", r"(c) chroma $S$"),
     ]
-    for ax, (key, title, scale) in zip(axes[0], panels):
-        ax.plot(light, data[f"old_{key}"], color=OLD, label="conventional (eq 19)")
+    for ax, (key, title) in zip(axes[0], panels):
+        ax.plot(light, data[f"old_{key}"], color=OLD, linewidth=2.6, label="conventional (eq 19)")
         ax.plot(light, data[f"new_{key}"], color=NEW, label="lightness correction")
-        ax.set_xscale("log", base=8)
-        ax.set_yscale(scale)
-        ax.set_xlabel("illuminance / mean")
-        ax.set_title(title, fontsize=10)
+        _log_ticks(ax, light[0], light[-1])
+        ax.set_xlabel("illuminance / mean illuminance")
+        ax.set_title(title, fontsize=10, pad=18)
         for channel, name in zip(rgb, "RGB"):
             if light[0] < 1 / channel < light[-1]:
                 ax.axvline(1 / channel, color=GIVEN, linewidth=0.7, linestyle=":")
                 ax.annotate(
-                    f"{name}=255",
+                    name,
                     (1 / channel, 1),
                     xycoords=("data", "axes fraction"),
-                    rotation=90,
-                    va="top",
-                    ha="right",
-                    fontsize=6,
+                    xytext=(0, 2),
+                    textcoords="offset points",
+                    ha="center",
+                    fontsize=8,
                     color=GIVEN,
                 )
-    low, high = lcor.adapt_range(1.0, 1.0, contrast)
-    ends = np.array([low, high])
-    axes[0, 0].plot(ends, ends, color=GIVEN, linewidth=0.8, linestyle="--", label="proportional")
-    axes[0, 0].legend(fontsize=7, frameon=False)
+    _mark_range(axes[0, 0], contrast)
+    axes[0, 1].margins(y=0.15)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    handles.append(Line2D([], [], color=GIVEN, linewidth=0.7, linestyle=":"))
+    labels.append("eq 19 saturates R, G, B")
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
     figure.suptitle(
-        "R = {:.0f}, G = {:.0f}, B = {:.0f}, c = {:g}".format(*(255 * v for v in rgb), contrast),
+        "one colour, R = {:.0f}, G = {:.0f}, B = {:.0f}, under growing illuminance; "
+        "device contrast c = {:g}".format(*(255 * v for v in rgb), contrast),
         fontsize=10,
     )
     return figure
+
+
+def _mark_range(ax: Axes, contrast: float) -> None:
+    """The line of proportion in a panel of display luminance, with its ends J1 and J2."""
+    ends = np.array(lcor.adapt_range(1.0, 1.0, contrast))
+    ax.set_yscale("log", base=2)
+    low, high = ax.get_ylim()
+    ax.set_yticks(
+        [2.0**k for k in range(-4, 2)], ["1/16", "1/8", "1/4", "1/2", "1", "2"], minor=False
+    )
+    ax.minorticks_off()
+    ax.set_ylim(low, high)
+    ax.plot(ends, ends, color=GIVEN, linewidth=0.9, linestyle="--", label="proportional")
+    ax.plot(ends, ends, "o", color=NEW, markersize=4)
+    for end, text, offset in zip(ends, (r"$J_1$", r"$J_2$"), ((8, -2), (6, -12))):
+        ax.annotate(text, (end, end), xytext=offset, textcoords="offset points", fontsize=9)
 
 
 def adaptation(contrast: float = 23.4, exponents: Sequence[float] = (0.5, 1.0, 2.0)) -> Figure:
@@ -162,26 +190,40 @@ def adaptation(contrast: float = 23.4, exponents: Sequence[float] = (0.5, 1.0, 2
     """
     figure, axes = _figure(width=5.4, height=3.8)
     ax = axes[0, 0]
-    j = np.logspace(-3, 3, 1201)
+    j = np.logspace(-3, 2, 1201)
     for t, shade in zip(exponents, np.linspace(0.35, 1.0, len(exponents))):
         j1, j2 = lcor.adapt_range(1.0, 1.0, contrast, t)
         ax.loglog(
-            j, lcor.adapt(j, 1.0, 1.0, contrast, t), color=NEW, alpha=shade, label=f"t = {t:g}"
+            j,
+            lcor.adapt(j, 1.0, 1.0, contrast, t),
+            color=NEW,
+            alpha=shade,
+            label=f"$t$ = {t:g}: $J_2 / J_1$ = {j2 / j1:.3g}",
         )
         ax.plot([j1, j2], [1, contrast], "o", color=NEW, alpha=shade, markersize=4)
         if t == 1.0:
-            ax.annotate("J1", (j1, 1), textcoords="offset points", xytext=(0, -12), ha="center")
-            ax.annotate(
-                "J2", (j2, contrast), textcoords="offset points", xytext=(0, 6), ha="center"
-            )
+            for x, y, text, above in ((j1, 1, "$J_1$", -13), (j2, contrast, "$J_2$", 6)):
+                ax.annotate(text, (x, y), (0, above), textcoords="offset points", ha="center")
     middle = (1 + contrast) / 2
     ax.plot([j[0], 1, 1], [middle, middle, 0.7], color=GIVEN, linewidth=0.7, linestyle=":")
-    ax.set_xlabel("scene luminance J / mean")
-    ax.set_ylabel("display luminance H / Jmin")
-    ax.set_ylim(0.7, 1.6 * contrast)
-    ax.legend(fontsize=8, frameon=False)
+    for y, text in ((1, "$J_{min}$"), (middle, "$J_{cen}$"), (contrast, "$J_{max}$")):
+        ax.annotate(text, (1.01, y), xycoords=("axes fraction", "data"), va="center", fontsize=9)
+    ax.set_xlabel(r"scene luminance $J / \bar{J}$")
+    ax.set_ylabel("display luminance $H / J_{min}$")
+    ax.set_ylim(0.6, 1.8 * contrast)
+    ax.legend(fontsize=8, frameon=False, loc="lower right")
     ax.set_title(f"adaptation (eq 8), c = {contrast:g}", fontsize=10)
     return figure
+
+
+def _plain_bar(figure: Figure, shown: Any, ax: Axes) -> Any:
+    """A legend of logarithmic colours with numbers as people write them."""
+    bar = figure.colorbar(shown, ax=ax, shrink=0.85)
+    low, high = shown.norm.vmin, shown.norm.vmax
+    bar.ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high > 8 * low else range(1, 10)))
+    bar.ax.yaxis.set_minor_locator(NullLocator())
+    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    return bar
 
 
 def false_colour(illuminance: ArrayLike, unit: str = "", title: str = "illuminance") -> Figure:
@@ -204,9 +246,57 @@ def false_colour(illuminance: ArrayLike, unit: str = "", title: str = "illuminan
     low = min(low, high / 1.001)
     shown = ax.imshow(np.maximum(values, low), cmap="inferno", norm=LogNorm(low, high))
     _picture(ax, title)
-    bar = figure.colorbar(shown, ax=ax, shrink=0.85)
+    bar = _plain_bar(figure, shown, ax)
     bar.set_label(unit)
     return figure
+
+
+def _show(ax: Axes, picture: ArrayLike, title: str) -> None:
+    pixels = np.asarray(picture)
+    whole = pixels / np.iinfo(pixels.dtype).max if pixels.dtype.kind == "u" else pixels
+    ax.imshow(np.clip(whole, 0, 1))
+    _picture(ax, title)
+
+
+def hue_change(
+    before: ArrayLike,
+    after: ArrayLike,
+    space: str = "srgb",
+    transfer: str | float = "srgb",
+    least_chroma: float = 2.0,
+) -> NDArray[Any]:
+    """How far hue (eq 17) turns from one picture to another.
+
+    Parameters
+    ----------
+    before, after : (..., 3)
+        Stored values, 0..1 or uint8; `space` and `transfer` say how.
+    least_chroma
+        Pixels below it in either picture have no hue to speak of.
+
+    Returns
+    -------
+    (...)
+        Degrees, -180..180; 0 where there is no hue.
+
+    Examples
+    --------
+    >>> import lcor.plots
+    >>> lcor.plots.hue_change([0.5, 0.2, 0.3], [1.0, 0.4, 0.6], transfer="linear").round(9)
+    array(0.)
+    """
+    lab = [lcor.rgb_to_lab(p, space, transfer=transfer) for p in (before, after)]
+    change = np.degrees(np.asarray(lcor.hue(lab[1])) - np.asarray(lcor.hue(lab[0])))
+    change = (change + 180) % 360 - 180
+    coloured = np.minimum(lcor.chroma(lab[0]), lcor.chroma(lab[1])) >= least_chroma
+    return np.where(coloured, change, 0.0)
+
+
+def show_hue_change(ax: Axes, change: ArrayLike, title: str = "change of hue") -> Any:
+    """Draw a map of :func:`hue_change`, -10..10 degrees; returns what a colour bar needs."""
+    shown = ax.imshow(np.asarray(change), cmap="RdBu_r", vmin=-10, vmax=10)
+    _picture(ax, title)
+    return shown
 
 
 def before_after(
@@ -225,22 +315,47 @@ def before_after(
 
     Pixels of little chroma (below 2 in either) have no hue to speak of and stay white.
     """
-    first, second = np.asarray(before), np.asarray(after)
-    lab = [lcor.rgb_to_lab(p, space, transfer=transfer) for p in (first, second)]
-    change = np.degrees(np.asarray(lcor.hue(lab[1])) - np.asarray(lcor.hue(lab[0])))
-    change = (change + 180) % 360 - 180
-    coloured = np.minimum(lcor.chroma(lab[0]), lcor.chroma(lab[1])) >= 2
     figure, axes = _figure(3)
-    for ax, picture, title in zip(axes[0], (first, second), titles):
-        whole = picture / np.iinfo(picture.dtype).max if picture.dtype.kind == "u" else picture
-        ax.imshow(np.clip(whole, 0, 1))
-        _picture(ax, title)
-    limit = 10.0
-    shown = axes[0, 2].imshow(
-        np.where(coloured, change, 0.0), cmap="RdBu_r", vmin=-limit, vmax=limit
-    )
-    _picture(axes[0, 2], "change of hue")
+    for ax, picture, title in zip(axes[0], (before, after), titles):
+        _show(ax, picture, title)
+    shown = show_hue_change(axes[0, 2], hue_change(before, after, space, transfer))
     figure.colorbar(shown, ax=axes[0, 2], shrink=0.7, extend="both").set_label("degrees")
+    return figure
+
+
+def figure3(
+    texture: ArrayLike,
+    illuminance: ArrayLike,
+    contrast: float = 23.4,
+    space: str = "srgb",
+    transfer: str | float = "srgb",
+) -> Figure:
+    """The paper's Figure 3: texture, illuminance, eq 19, the correction, and how hue turns.
+
+    Parameters
+    ----------
+    texture : (H, W, 3)
+        Stored values; `space` and `transfer` say how.
+    illuminance : (H, W)
+        Any unit. Both methods show a texel in mean illuminance at the middle of their range.
+    contrast
+        c of the device [1].
+    """
+    light = np.asarray(illuminance, np.float64)
+    mean = lcor.geometric_mean(light)
+    options: dict[str, Any] = {"space": space, "transfer": transfer}
+    new = lcor.correct(texture, light, contrast, **options)
+    old = lcor.conventional(texture, light / mean, 1.0, **options)
+    figure, axes = _figure(3, 2, height=3.0)
+    _show(axes[0, 0], texture, "(a) texture")
+    level = axes[1, 0].imshow(light / mean, cmap="inferno", norm=LogNorm())
+    _picture(axes[1, 0], "(b) illuminance / mean")
+    _plain_bar(figure, level, axes[1, 0])
+    for row, picture, name in ((0, old, "(c) conventional, eq 19"), (1, new, "(d) correction")):
+        _show(axes[row, 1], picture, name)
+        change = hue_change(texture, picture, space, transfer)
+        turn = show_hue_change(axes[row, 2], change, f"change of hue by {name[:3]}")
+    figure.colorbar(turn, ax=axes[:, 2], shrink=0.6, extend="both").set_label("degrees")
     return figure
 
 
@@ -266,19 +381,18 @@ def masks(
     kinds[(out["keep-hue"] <= 0).all(axis=-1)] = 1
     kinds[(out["keep-hue"] >= 1 - 1e-12).all(axis=-1)] = 2
     colours = ["#e8e8e8", "#17324d", "#ffd24d", "#c23b75"]
-    names = ["shown as asked", "black: J < J1", "white: J > J2", "chroma reduced to fit"]
+    names = ["shown as asked", "black: $J < J_1$", "white: $J > J_2$", "chroma reduced to fit"]
     figure, axes = _figure(width=5.0, height=4.2)
     ax = axes[0, 0]
     ax.imshow(kinds, cmap=ListedColormap(colours), vmin=0, vmax=3, interpolation="nearest")
     _picture(ax, f"limits of the device, c = {plan.options['contrast']:g}")
     counts = np.bincount(kinds.ravel(), minlength=4) / kinds.size
     labels = [f"{name}: {100 * share:.2f} %" for name, share in zip(names, counts)]
-    ax.legend(
+    figure.legend(
         handles=[Patch(color=c, label=text) for c, text in zip(colours, labels)],
-        loc="upper center",
-        bbox_to_anchor=(0.5, -0.02),
+        loc="outside lower center",
         ncols=2,
-        fontsize=7,
+        fontsize=8,
         frameon=False,
     )
     return figure
@@ -310,8 +424,8 @@ def repeatability(profile: lcor.Profile) -> Figure:
         if not used.all():
             ax.legend(fontsize=7, frameon=False)
         ax.set_title(f"{name}: median {median:.3f}, u = {u:.4f}", fontsize=10)
-        ax.set_xlabel("reading")
-        ax.set_ylabel("visual density")
+        ax.set_xlabel("number of the reading")
+        ax.set_ylabel("visual density [1]")
         ax.set_xticks(number)
     figure.suptitle(
         f"c = {result['contrast']:.2f} ± {result['contrast_u95']:.2f} (95 %)", fontsize=11
@@ -339,8 +453,8 @@ def convergence(
     left.loglog(
         tolerances, tolerances, color=GIVEN, linewidth=0.8, linestyle=":", label="asked for"
     )
-    left.set_xlabel("tolerance asked for")
-    left.set_ylabel("estimated error")
+    left.set_xlabel("tolerance asked for, rms")
+    left.set_ylabel("estimated relative error")
     left.legend(fontsize=8, frameon=False)
     seconds = [max(r["seconds"], 1e-7) for r in reports]
     right.loglog(seconds, [r["error_rms"] for r in reports], "o-", color=NEW)
@@ -352,10 +466,11 @@ def convergence(
             xytext=(4, 3),
             textcoords="offset points",
         )
-    right.set_xlabel("seconds")
-    right.set_ylabel("estimated error (rms)")
+    right.margins(x=0.18)
+    right.set_xlabel("seconds, one thread")
+    right.set_ylabel("estimated relative error, rms")
     left.set_title("error", fontsize=10)
-    right.set_title("what it costs", fontsize=10)
+    right.set_title("what it costs in time and memory", fontsize=10)
     return figure
 
 
@@ -374,7 +489,7 @@ def fronts(
     cost, error, title
         What the axes are.
     """
-    figure, axes = _figure(width=6.0, height=4.2)
+    figure, axes = _figure(width=7.0, height=4.0)
     ax = axes[0, 0]
     for index, (name, pairs) in enumerate(points.items()):
         ordered = sorted(pairs)
@@ -392,7 +507,7 @@ def fronts(
     ax.set_xlabel(cost)
     ax.set_ylabel(error)
     ax.set_title(title, fontsize=10)
-    ax.legend(fontsize=7, frameon=False)
+    figure.legend(loc="outside right upper", fontsize=8, frameon=False)
     return figure
 
 
@@ -403,9 +518,10 @@ def chroma_rule(steps: int = 400) -> Figure:
     new = np.linspace(0, 100, steps)
     for old in (20.0, 40.0, 60.0, 80.0):
         k = np.where(new <= old, new / old, (100 - new) / (100 - old))
-        ax.plot(new, k, color=NEW, alpha=0.35 + 0.65 * old / 80, label=f"L* = {old:g}")
-    ax.set_xlabel("L*new")
-    ax.set_ylabel("k = chroma / old chroma")
-    ax.legend(fontsize=8, frameon=False)
+        ax.plot(new, k, color=NEW, alpha=0.35 + 0.65 * old / 80)
+        ax.annotate(f"$L^*$ = {old:g}", (old, 1.02), ha="center", fontsize=8)
+    ax.set_ylim(0, 1.1)
+    ax.set_xlabel("new lightness $L^*_{new}$")
+    ax.set_ylabel("$k$ = new chroma / old chroma")
     ax.set_title("chroma follows lightness (eq 16)", fontsize=10)
     return figure
