@@ -271,7 +271,7 @@ std::string aov_list()
 {
     std::string text;
     for (const Kind &kind : kinds)
-        text += format("%-13s %s\n", kind.name, kind.about);
+        text += format("%-13s %s", kind.name, kind.about) + "\n"; /* format() makes one line */
     return text;
 }
 

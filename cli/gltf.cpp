@@ -340,15 +340,11 @@ class Walker
     size_t vertices_read_ = 0;
 };
 
-/* Extensions that are read, or that change nothing lcor looks at. */
+/* What a file uses and lcor does not draw. */
 void name_extensions(const tinygltf::Model &model, Contents &contents)
 {
-    static const std::set<std::string> understood{
-        "KHR_lights_punctual",   "KHR_materials_emissive_strength",
-        "KHR_texture_transform", "KHR_mesh_quantization",
-        "EXT_texture_webp",      "KHR_xmp_json_ld"};
     for (const std::string &name : model.extensionsUsed)
-        if (understood.count(name) == 0)
+        if (!understood_extension(name))
             contents.unsupported.insert("extension " + name);
     if (!model.animations.empty())
         contents.unsupported.insert("animations (drawn at rest)");

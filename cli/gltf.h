@@ -103,6 +103,8 @@ struct ModelFile {
 };
 
 void read_model(const std::string &bytes, const std::string &folder, ModelFile &file);
+/* Read, or without effect on what lcor computes. */
+bool understood_extension(const std::string &name);
 /* count x components numbers, normalised integers as 0..1 or -1..1, sparse ones filled in.
  * `components` 0 takes what is there. Exit::input names accessor and reason. */
 struct Accessor {

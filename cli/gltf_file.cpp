@@ -92,6 +92,18 @@ std::string first_sentence(std::string text)
     return text.empty() ? "not glTF 2.0" : text;
 }
 
+/* A file that requires an extension says that it is wrong without it. This comes before tinygltf's
+ * own complaint, which is of what the extension would have explained. */
+void check_required(const ModelFile &file)
+{
+    for (const std::string &name : file.model->extensionsRequired)
+        if (!understood_extension(name))
+            fail(Exit::input,
+                 "scene '%s' requires the extension %s, which lcor does not read; "
+                 "export it without",
+                 file.name.c_str(), name.c_str());
+}
+
 void fetch_images(ModelFile &file)
 {
     const tinygltf::Model &model = *file.model;
@@ -119,6 +131,15 @@ void fetch_images(ModelFile &file)
 }
 
 } // namespace
+
+bool understood_extension(const std::string &name)
+{
+    static const std::set<std::string> names{
+        "KHR_lights_punctual",   "KHR_materials_emissive_strength",
+        "KHR_texture_transform", "KHR_mesh_quantization",
+        "EXT_texture_webp",      "KHR_xmp_json_ld"};
+    return names.count(name) > 0;
+}
 
 ModelFile::ModelFile() : model(std::make_unique<tinygltf::Model>()), bytes(0) {}
 ModelFile::~ModelFile() = default;
@@ -163,6 +184,7 @@ void read_model(const std::string &bytes, const std::string &folder, ModelFile &
     } catch (const std::exception &problem) {
         error = problem.what();
     }
+    check_required(file);
     if (!good)
         fail(Exit::input, "cannot read scene '%s': %s", file.name.c_str(),
              first_sentence(error).c_str());

@@ -12,6 +12,8 @@ namespace
 {
 
 constexpr uint64_t table_limit = uint64_t(1) << 30;
+/* What is added to a table: the first two, or all with three channels. */
+const char *const value_names = "E_direct,E_total,E_red,E_green,E_blue";
 
 struct Points {
     std::vector<std::string> lines; /* as read, for the output's first columns */
@@ -53,6 +55,36 @@ std::vector<size_t> columns_of(const std::string &header, const std::string &pat
     return columns;
 }
 
+/* A line without the columns marked. */
+std::string without(const std::string &line, const std::vector<bool> &dropped)
+{
+    const std::vector<std::string> cells = split(line, ',');
+    std::string text;
+    bool first = true;
+    for (size_t i = 0; i < cells.size(); i++) {
+        if (i < dropped.size() && dropped[i])
+            continue;
+        text += (first ? "" : ",") + cells[i];
+        first = false;
+    }
+    return text;
+}
+
+/* Results of an earlier run give way to those to come: no two columns have one name. */
+void drop_results(Points &points)
+{
+    const std::vector<std::string> results = split(value_names, ',');
+    std::vector<bool> dropped;
+    for (const std::string &name : split(points.header, ','))
+        dropped.push_back(std::find(results.begin(), results.end(), trimmed(name)) !=
+                          results.end());
+    if (std::find(dropped.begin(), dropped.end(), true) == dropped.end())
+        return;
+    points.header = without(points.header, dropped);
+    for (std::string &line : points.lines)
+        line = without(line, dropped);
+}
+
 Points read_points(const std::string &path)
 {
     std::string text = read_file(path, table_limit);
@@ -87,6 +119,7 @@ Points read_points(const std::string &path)
         for (size_t k = 3; k < 6; k++)
             points.normal.push_back(n[k] / length);
     }
+    drop_results(points);
     return points;
 }
 
@@ -99,9 +132,10 @@ std::string values_text(const Scene &scene, const double *direct, const double *
     return text;
 }
 
-const char *value_header(int channels)
+std::string value_header(int channels)
 {
-    return channels == 3 ? ",E_direct,E_total,E_red,E_green,E_blue\n" : ",E_direct,E_total\n";
+    const std::string names = value_names;
+    return "," + names.substr(0, channels == 3 ? names.npos : names.find(",E_red")) + "\n";
 }
 
 std::string points_table(const Scene &scene, const lcor_solution *solution, const Points &points)
@@ -127,7 +161,7 @@ std::string patches_table(const Scene &scene, const lcor_solution *solution, siz
     const int channels = lcor_solution_report(solution)->channels;
     const size_t step = static_cast<size_t>(channels);
     lcor_error error = {};
-    std::string text = std::string("surface,i,j,x,y,z,nx,ny,nz,area") + value_header(channels);
+    std::string text = "surface,i,j,x,y,z,nx,ny,nz,area" + value_header(channels);
     *count = 0;
     for (size_t s = 0; s < scene.surfaces.size(); s++) {
         size_t n = 0;

@@ -122,7 +122,7 @@ const std::string &Options::operand(const char *what) const
     if (operands_.empty())
         fail(Exit::usage, "%s is missing; usage: %s", what, usage_.c_str());
     if (operands_.size() > 1)
-        fail(Exit::usage, "one %s at a time; '%s' is left over", what, operands_[1].c_str());
+        fail(Exit::usage, "'%s' is left over; usage: %s", operands_[1].c_str(), usage_.c_str());
     return operands_[0];
 }
 

@@ -234,6 +234,11 @@ Exit run_room(const Arguments &arguments)
              options.operands()[0].c_str());
     if (room.output.empty())
         fail(Exit::usage, "where to? give -o ROOM.glb");
+    const std::string text_form = ".gltf";
+    if (room.output.size() > text_form.size() &&
+        room.output.compare(room.output.size() - text_form.size(), text_form.npos, text_form) == 0)
+        fail(Exit::usage, "'%s': the scene is written in glTF's binary form; call it .glb",
+             room.output.c_str());
     room.measured = options.given("--reflectance");
     const std::string bytes = make_room(room);
     write_file(room.output, bytes);

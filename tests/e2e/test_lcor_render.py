@@ -8,7 +8,7 @@ import random
 
 import pytest
 from gltf_scene import Scene, png
-from lcor_run import good, lcor, oiiotool, pixels, refused, report, table
+from lcor_run import good, oiiotool, pixels, refused, report, table
 
 SIZE = (160, 120)
 DEVICE = ("--contrast", "23.4")
@@ -279,4 +279,12 @@ def test_refusals_leave_what_stood_at_the_output(room, tmp_path):
     refused(3, "render", tmp_path / "none.glb", "-o", out, *DEVICE, says="none.glb")
     refused(7, "render", room, "-o", out, "--profile", tmp_path / "none.cgats", says="none.cgats")
     assert out.read_text() == "old"
-    assert "illuminance" in lcor("render", "--aov", "list").stdout
+
+
+def test_every_auxiliary_picture_has_its_line_in_the_list_and_is_written(room, tmp_path):
+    lines = good("render", "--aov", "list").stdout.splitlines()
+    names = [line.split()[0] for line in lines]
+    assert {"illuminance", "r", "beta", "k", "H", "depth", "uv", "surface"} <= set(names)
+    wanted = [f"--aov={n}={tmp_path}/{n}.{'png' if n == 'false-colour' else 'exr'}" for n in names]
+    good("render", room, "-o", tmp_path / "a.png", "--size", "40x30", *DEVICE, *wanted)
+    assert len(list(tmp_path.glob("*.exr"))) == len(names) - 1

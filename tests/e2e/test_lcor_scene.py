@@ -358,6 +358,22 @@ def test_unsupported_features_are_named_once_each(tmp_path):
     assert len(report("info", tmp_path / "s.glb")["warnings"]) == 4
 
 
+@pytest.mark.parametrize("name", ["KHR_draco_mesh_compression", "FOO_required"])
+def test_a_required_extension_that_is_not_read_is_an_error(tmp_path, name):
+    scene = lit()
+    primitive = {"attributes": {"POSITION": 0}, "indices": 0, "extensions": {name: {}}}
+    scene.node(mesh=scene.add("meshes", {"primitives": [primitive]}))
+    scene.document["accessors"][0].pop("bufferView")  # the data stand in the extension
+    scene.document["extensionsUsed"] = scene.document["extensionsRequired"] = [name]
+    refused(3, "info", save(tmp_path, scene), says=f"requires the extension {name}")
+
+
+def test_a_required_extension_that_is_read_is_fine(tmp_path):
+    scene = lit()
+    scene.document["extensionsRequired"] = ["KHR_lights_punctual", "KHR_texture_transform"]
+    assert good("info", save(tmp_path, scene)).stderr == ""
+
+
 def test_broken_texture_is_a_warning_and_the_factor_stays(tmp_path):
     scene = lit()
     material = scene.textured(b"no picture at all")
@@ -374,6 +390,10 @@ def test_broken_texture_is_a_warning_and_the_factor_stays(tmp_path):
     scene.document["images"][0] = {"uri": "gone.png"}
     run = good("info", save(tmp_path, scene, binary=False), "--json")
     assert "no such file 'gone.png'" in run.stderr
+
+
+def test_the_room_is_binary_and_must_be_called_so(tmp_path):
+    refused(2, "room", "-o", tmp_path / "room.gltf", says="call it .glb")
 
 
 def test_textures_of_the_room_stand_in_the_file(tmp_path):
@@ -510,6 +530,8 @@ def test_points_file_keeps_its_columns_and_names_bad_lines(tmp_path):
     header, row = (tmp_path / "e.csv").read_text().splitlines()
     assert header == "name,nz,ny,nx,z,y,x,E_direct,E_total"
     assert row.startswith("desk,1,0,0,0,0.5,0.5,2")
+    good("irradiance", path, "--points", tmp_path / "e.csv", "-o", tmp_path / "again.csv")
+    assert (tmp_path / "again.csv").read_text() == (tmp_path / "e.csv").read_text()
     for text, says in [
         ("", "empty"),
         ("x,y,z\n1,2,3\n", "no column nx"),
