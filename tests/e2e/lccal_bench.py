@@ -4,12 +4,15 @@
 import contextlib
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+
+import pytest
 
 SOURCE = Path(os.environ["LCOR_SOURCE"])
 LCCAL = Path(os.environ["LCOR_BINDIR"]) / "lccal"
@@ -26,6 +29,30 @@ def environment():
     env = dict(os.environ)
     env["PYTHONPATH"] = str(SOURCE / "bindings" / "python")
     return env
+
+
+COMMA_LOCALE = """\
+LC_NUMERIC
+decimal_point ","
+thousands_sep "."
+grouping 3;3
+END LC_NUMERIC
+""" + "".join(
+    f'{name}\ncopy "POSIX"\nEND {name}\n'
+    for name in ("LC_CTYPE", "LC_COLLATE", "LC_TIME", "LC_MESSAGES", "LC_MONETARY")
+)
+
+
+def comma_environment(folder):
+    """An environment in which C's own functions write 1,5; the locale is made in the folder."""
+    if not shutil.which("localedef"):
+        pytest.skip("localedef is missing")
+    source, locale = folder / "comma", folder / "xx_XX"
+    source.write_text(COMMA_LOCALE)
+    command = ["localedef", "-c", "-i", source, "-f", "ISO-8859-1", locale]
+    subprocess.run(command, capture_output=True, check=False)
+    assert (locale / "LC_NUMERIC").exists()
+    return environment() | {"LOCPATH": str(folder), "LC_ALL": locale.name}
 
 
 class Emulator:

@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: MIT
 """lccal enter: densities typed in, or measured by other programs."""
 
-import os
 import random
-import shutil
-import subprocess
 
 import pytest
-from lccal_bench import LCCAL, SOURCE, Session, environment, events, keyword, lccal, rows
+from lccal_bench import SOURCE, Session, comma_environment, events, keyword, lccal, rows
 
 DEVICE = SOURCE / "tests" / "data" / "device"
 
@@ -294,22 +291,58 @@ def test_the_earlier_profile_is_kept_beside_the_new_one(tmp_path):
     assert contrast(output) == pytest.approx(10**1.37, rel=1e-5)
 
 
-@pytest.fixture(scope="session")
-def comma_locale(tmp_path_factory):
-    """An environment in which C's own functions write 1,5."""
-    where = tmp_path_factory.mktemp("locale")
-    if not shutil.which("localedef"):
-        pytest.skip("localedef is missing")
-    made = subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", where / "de_DE.UTF-8"],
-                          capture_output=True, check=False)
-    if not os.path.exists(where / "de_DE.UTF-8"):
-        pytest.skip(f"no German locale can be made here: {made.stderr[:80]!r}")
-    return {**environment(), "LOCPATH": str(where), "LC_ALL": "de_DE.UTF-8"}
-
-
-def test_a_comma_locale_changes_nothing(tmp_path, comma_locale):
+def test_a_comma_locale_changes_nothing(tmp_path):
     output = tmp_path / "p.cgats"
-    run = subprocess.run([LCCAL, "enter", "--import", DEVICE / "FOGRA39L.ti3", "-o", output],
-                         env=comma_locale, capture_output=True, check=False)
+    run = lccal("enter", "--import", DEVICE / "FOGRA39L.ti3", "-o", output,
+                env=comma_environment(tmp_path))
     assert run.returncode == 0
     assert keyword(output, "LCOR_CONTRAST") == "41.7238"
+
+
+LAYOUTS = {
+    # CGATS of other programs
+    "quoted numbers": ("SAMPLE_ID SAMPLE_NAME RGB_R RGB_G RGB_B XYZ_X XYZ_Y XYZ_Z",
+                       '"1" "A 1" "255.0" "255.0" "255.0" "80" "84" "70"\n'
+                       '"2" "A 2" "0.0" "0.0" "0.0" "2.0" "2.1" "1.7"', 40.0),
+    "XYZ alone": ("RGB_R RGB_G RGB_B XYZ_X XYZ_Y XYZ_Z",
+                  "255 255 255 80 84 70\n0 0 0 2.0 2.1 1.7", 40.0),
+    "LAB alone": ("CMYK_C CMYK_M CMYK_Y CMYK_K LAB_L LAB_A LAB_B",
+                  "0 0 0 0 95 0 -2\n0 0 0 100 16 0 0", (111 / 32) ** 3),
+    "density alone": ("RGB_R RGB_G RGB_B D_VIS", "100 100 100 0.07\n0 0 0 1.44", 10**1.37),
+    "spectra alone": ("RGB_R RGB_G RGB_B SPECTRAL_NM380 SPECTRAL_NM390 SPECTRAL_NM400",
+                      "255 255 255 .9 .9 .9\n0 0 0 .02 .02 .02", "no column D_VIS"),
+    "without D_VIS": ("RGB_R RGB_G RGB_B D_RED D_GREEN D_BLUE",
+                      "255 255 255 .07 .07 .07\n0 0 0 1.4 1.4 1.4", "no column D_VIS"),
+    "decimal commas": ("RGB_R RGB_G RGB_B D_VIS", "255 255 255 0,07\n0 0 0 1,44", "comma"),
+    # tables
+    "semicolons": (None, "R;G;B;D\n255;255;255;0.07\n0;0;0;1.44\n", 10**1.37),
+    "spreadsheet": (None, "sep=;\nR;G;B;D\n255;255;255;0.07\n0;0;0;1.44\n", 10**1.37),
+    "byte order mark": (None, "\ufeffR,G,B,D\r\n255,255,255,0.07\r\n0,0,0,1.44\r\n", 10**1.37),
+    "tabs": (None, "R\tG\tB\tD\n255\t255\t255\t0.07\n0\t0\t0\t1.44\n", 10**1.37),
+    "table of L*a*b*": (None, "R,G,B,L*,a*,b*\n255,255,255,95,0,0\n0,0,0,16,0,0\n",
+                        (111 / 32) ** 3),
+    "table of inks": (None, "C,M,Y,K,D\n0,0,0,0,0.07\n0,0,0,100,1.44\n", 10**1.37),
+    "quoted commas": (None, '"R","G","B","D"\n255,255,255,"0,07"\n0,0,0,"1,44"\n', "comma"),
+    "commas in commas": (None, "R,G,B,D\n255,255,255,0,07\n0,0,0,1,44\n", "comma"),
+    "exchanged": (None, "R,G,B,D\n0,0,0,0.07\n255,255,255,1.44\n", "lighter than white"),
+    "Y of inks or of light": (None, "C,M,Y,K,X,Y,Z\n0,0,0,0,80,84,70\n0,0,0,100,2,2.1,1.7\n",
+                              "twice"),
+    "percent signs": (None, "R,G,B,D\n100%,100%,100%,0.07\n0%,0%,0%,1.44\n", "not a number"),
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_layout_of_another_program_gives_its_contrast_or_a_clear_error(tmp_path, layout):
+    columns, text, expected = LAYOUTS[layout]
+    if columns:
+        text = (f'CGATS.17\nORIGINATOR "somebody"\nNUMBER_OF_FIELDS {len(columns.split())}\n'
+                f"BEGIN_DATA_FORMAT\n{columns}\nEND_DATA_FORMAT\nNUMBER_OF_SETS 2\n"
+                f"BEGIN_DATA\n{text}\nEND_DATA\n")
+    source, output = tmp_path / "m.txt", tmp_path / "p.cgats"
+    source.write_text(text)
+    run = lccal("enter", "--import", source, "-o", output)
+    if isinstance(expected, str):
+        assert_refused(run, 7, expected, output)
+    else:
+        assert run.returncode == 0, run.stderr
+        assert contrast(output) == pytest.approx(expected, rel=1e-4)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Everything that goes wrong ends in the right exit code, one clear line and the earlier profile
-as it was, byte for byte. Replies cut at every single byte are in tests/calib, without a wire."""
+as it was, byte for byte."""
 
 import os
 import signal
@@ -50,6 +50,8 @@ SERIAL_FAULTS = [
     ("garbage-inside", "does not answer"),
     ("flood", "no reading"),
     ("wrong-echo", "does not answer"),
+    ("nak=all", "answered GS V with 'NAK'"),
+    ("err=all", "answered GS V with 'ERR'"),
     ("uncalibrated", "wants to be calibrated"),
     ("unplug-idle", "was unplugged"),
     ("unplug-mid", "was unplugged"),
@@ -92,6 +94,29 @@ def ended(tmp_path_factory):
 def test_fault_ends_the_measurement(ended, case):
     run, profile = ended[case]
     assert_failed(run, 5, profile, ENDING_FAULTS[case])
+
+
+@pytest.fixture(scope="module")
+def dialogue(tmp_path_factory):
+    """A measurement as --record writes it, line by line."""
+    path = tmp_path_factory.mktemp("dialogue") / "m.script"
+    run = measure(path.with_suffix(".cgats"), readings=1, options=("--record", path))
+    assert run.returncode == 0, run.stderr
+    return path.read_bytes().splitlines(keepends=True)
+
+
+@pytest.mark.parametrize("answer", [b"GS V,", b"SM FORMAT,", b"R+"])
+def test_reply_cut_at_every_byte_ends_the_measurement(profile, dialogue, answer):
+    line = next(i for i, text in enumerate(dialogue) if text.split(b" ", 2)[2].startswith(answer))
+    reply = dialogue[line].rstrip(b"\n")
+    script = profile.parent / "script"
+    start = len(b" ".join(reply.split(b" ")[:2])) + 1
+    for cut in range(start + 1, reply.rindex(b"^M^J") + 1):
+        script.write_bytes(b"".join(dialogue[:line]) + reply[:cut] + b"\n")
+        run = lccal("--port", f"script:{script}", "--instrument", "printalyzer", "--yes",
+                    "--readings", 1, "--timeout", 2, "-o", profile)
+        script.unlink()
+        assert_failed(run, 5, profile, "script:")
 
 
 @pytest.mark.parametrize("fault", ["slow=0.05", "chunk=1", "chunk=3", "garbage-before",
@@ -157,13 +182,12 @@ def test_rci_fault_is_survived(profile, fault):
                                                                      abs=0.002)
 
 
-def test_two_programs_on_one_port(profile):
+def test_two_programs_on_one_port(profile, tmp_path_factory):
     with Emulator() as device, Session("--port", device.port, "-o",
-                                       profile.parent / "p.cgats") as first:
+                                       tmp_path_factory.mktemp("first") / "p.cgats") as first:
         first.until("prompt", patch="white")
-        run = lccal("--port", device.port, "--yes", "--timeout", 0.3, "-o", profile.parent / "q")
-        assert run.returncode == 4
-        assert "in use by another program" in run.stderr
+        run = lccal("--port", device.port, "--yes", "-o", profile)
+        assert_failed(run, 4, profile, "in use by another program")
         doctor = lccal("doctor", "--port", device.port)
         assert doctor.returncode == 4
         # The first one goes on unharmed.
@@ -187,13 +211,12 @@ def test_port_that_is_no_port(profile):
 
 
 def test_port_without_permission(profile):
-    if os.geteuid() != 0:
-        pytest.skip("only root can take a permission away here")
+    somebody = {"user": 65534, "group": 65534} if os.geteuid() == 0 else {}
     with Emulator() as device:
-        os.chmod(device.port, 0o600)
-        run = lccal("--port", device.port, "--yes", "-o", profile, user=65534, group=65534)
+        os.chmod(device.port, 0)
+        run = lccal("--port", device.port, "--yes", "-o", profile, **somebody)
         assert_failed(run, 4, profile, "no permission")
-        doctor = lccal("doctor", "--port", device.port, user=65534, group=65534)
+        doctor = lccal("doctor", "--port", device.port, **somebody)
     assert doctor.returncode == 4
     assert "udev rules" in doctor.stdout
 
@@ -227,6 +250,47 @@ def test_interrupted_at_each_prompt(profile, patch, moment):
     assert profile.read_bytes() == EARLIER
     assert session.seen[-1] == {"event": "error", "code": 130, "text": session.seen[-1]["text"]}
     assert (profile.parent / "p.cgats.journal").exists() == (patch == "black")
+
+
+def test_interrupted_when_asked_to_read_again(profile):
+    with Emulator("--model", "xrite-rci", "--fault", "error=28") as device, Session(
+            "--port", device.port, "--instrument", "xrite-rci", "-o", profile) as session:
+        session.until("prompt", patch="white")
+        session.answer()
+        session.until("prompt", patch="again")
+        session.interrupt()
+        assert session.end() == 130
+    assert profile.read_bytes() == EARLIER
+
+
+@pytest.mark.parametrize("patch", ["white", "black"])
+def test_interrupted_while_verifying(tmp_path, patch):
+    profile = tmp_path / "p.cgats"
+    assert lccal("enter", "--dmin", "0.07", "--dmax", "1.44", "-o", profile).returncode == 0
+    before = profile.read_bytes()
+    with Emulator() as device, Session("verify", profile, "--port", device.port, "--readings",
+                                       1) as session:
+        session.until("prompt", patch="white")
+        if patch == "black":
+            session.answer()
+            session.until("ready")
+            device.press(0.07)
+            session.until("prompt", patch="black")
+        session.interrupt()
+        assert session.end() == 130
+    assert profile.read_bytes() == before
+    assert [path.name for path in tmp_path.iterdir()] == ["p.cgats"]
+
+
+def test_interrupted_while_recalibrating(tmp_path):
+    saved = tmp_path / "device.txt"
+    with Emulator() as device, Session("device", "--port", device.port, "--recalibrate",
+                                       "--save", saved) as session:
+        session.until("prompt", patch="calibrate")
+        before = saved.read_bytes()
+        session.interrupt()
+        assert session.end() == 130
+    assert saved.read_bytes() == before
 
 
 def test_interrupted_before_the_instrument_answered(profile):

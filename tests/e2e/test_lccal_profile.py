@@ -88,6 +88,26 @@ def test_a_broken_profile_is_refused(tmp_path, profile, command):
     assert lccal(*command, tmp_path / "nowhere").returncode == 1
 
 
+@pytest.mark.parametrize("change, code", [
+    (lambda t: b"\xef\xbb\xbf" + t, 0), (lambda t: t.replace(b"\n", b"\r\n"), 0),
+    (lambda t: t[:len(t) // 2], 7), (lambda t: t.replace(b"END_DATA\n", b""), 7),
+    (lambda t: b"\xff\xfe" + t, 7), (lambda t: t.replace(b"SETS 6", b"SETS 600000000000000000"), 7),
+    (lambda t: t.replace(b"1.44", b"1e999"), 7), (lambda t: t.replace(b"1.44", b"nan"), 7),
+    (lambda t: t.replace(b'"white"', b'"' + b"w" * 1000000), 7), (lambda t: t + t, 0),
+    (lambda t: t.replace(b"\n", b"\0\n"), 7), (lambda t: b"BEGIN_DATA\n" * 100000, 7),
+], ids=["BOM", "CRLF", "half", "no end", "UTF-16", "hostile count", "overflow", "nan", "open quote",
+        "twice", "NUL", "nothing but beginnings"])
+def test_a_profile_file_is_read_or_refused_and_left_alone(tmp_path, profile, change, code):
+    file = tmp_path / "changed.cgats"
+    changed = change(profile.read_bytes())
+    file.write_bytes(changed)
+    for command in (("show",), ("verify", "--max-age", 1), ("export", "-o", tmp_path / "x.json")):
+        run = lccal(command[0], file, *command[1:])
+        assert run.returncode == code, run.stderr
+    assert file.read_bytes() == changed
+    assert (tmp_path / "x.json").exists() == (code == 0)
+
+
 # ---- verify
 
 def test_verify_accepts_a_device_that_stayed(tmp_path, profile):

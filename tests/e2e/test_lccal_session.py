@@ -4,7 +4,7 @@
 import math
 
 import pytest
-from lccal_bench import Emulator, Session, events, keyword, lccal, rows
+from lccal_bench import Emulator, Session, comma_environment, events, keyword, lccal, rows
 
 
 def contrast(path):
@@ -246,13 +246,10 @@ def test_recording_replays_to_the_same_profile(tmp_path):
 
 
 def test_comma_locale_changes_nothing(tmp_path):
-    from lccal_bench import environment
-
     profile = tmp_path / "p.cgats"
-    env = environment() | {"LC_ALL": "de_DE.UTF-8", "LANG": "de_DE.UTF-8"}
     with Emulator("--auto-press", 1) as device:
         run = lccal("--port", device.port, "--yes", "--readings", 1, "-o", profile, "--json",
-                    env=env)
+                    env=comma_environment(tmp_path))
     assert run.returncode == 0, run.stderr
     assert contrast(profile) == pytest.approx(23.4, abs=1e-4)
     assert events(run.stdout)[-1]["contrast"] == pytest.approx(23.4, abs=1e-3)

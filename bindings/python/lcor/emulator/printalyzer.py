@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Dektronics Printalyzer Densitometer DPD-100: commands, both reading formats, faults.
 
-Faults of its own: wrong-echo (answers name another command), nak, err (to everything but GS V),
-chatter (a log line and a reading between command and reply), stale (a reading before the first
+Faults of its own: wrong-echo (answers name another command), nak, err (to everything but GS V, or
+nak=all, err=all to that too), chatter (a log line and a reading between command and reply), stale (a reading before the first
 command), uncalibrated (no target calibration, so pressing does nothing), basic (refuses the
 extended format), cr-only (lines end in CR).
 """
@@ -66,11 +66,10 @@ class Printalyzer:
         self.say(f"{head},{self.reply(head, arguments)}{self.end()}".encode(), False)
 
     def reply(self, head: str, arguments: str) -> str:
-        if head != "GS V":
-            for name in ("nak", "err"):
-                if name in self.faults:
-                    self.ready = True
-                    return name.upper()
+        for name in ("nak", "err"):
+            if name in self.faults and (head != "GS V" or self.faults.values[name] == "all"):
+                self.ready = True
+                return name.upper()
         if head == "SM FORMAT":
             self.ready = True
             if arguments not in ("BASIC", "EXT") or "basic" in self.faults:
