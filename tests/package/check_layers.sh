@@ -26,11 +26,11 @@ room() {
 }
 
 base="$std lcor/status.h lcor/alloc.h lcor/export.h lcor/version.h lcor/parallel.h base/"
-room lib/src/base      $base
+room lib/src/base      $base cpuid.h
 room lib/src/colour    $base lcor/colour.h colour/
 room lib/src/adapt     $base lcor/adapt.h adapt/
-room lib/src/correct   $base cpuid.h lcor/colour.h lcor/adapt.h lcor/correct.h colour/ adapt/ correct/
-room lib/src/geometry  $base geometry/
+room lib/src/correct   $base lcor/colour.h lcor/adapt.h lcor/correct.h colour/ adapt/ correct/
+room lib/src/geometry  $base immintrin.h geometry/
 room lib/src/scene     $base lcor/scene.h geometry/ scene/
 room lib/src/radiosity $base lcor/scene.h lcor/radiosity.h geometry/ scene/ radiosity/
 room lib/src/view      $base lcor/scene.h lcor/radiosity.h lcor/view.h geometry/ scene/ radiosity/ view/

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Rays through the hierarchy against every primitive in turn, in scenes of any size and place. */
 #include "base/internal.h"
-#include "geometry/bvh.h"
+#include "geometry/bvh_internal.h"
 #include "geometry/vec.h"
 #include "testing.h"
 
@@ -111,6 +111,78 @@ static void scenes_far_from_the_origin_are_no_different(void **state)
     check_scene(1, 1e4, NULL);
 }
 
+/* Every instruction set gives the same bits, hits at edges and of grazing rays included. */
+static void instruction_sets_agree(void **state)
+{
+    static lcor_bvh_prim prims[PRIMS];
+    lcor_allocator allocator;
+    lcor_bvh *bvh = NULL;
+    uint64_t seed = 2024;
+    int hits = 0;
+
+    (void)state;
+    assert_int_equal(lcor_internal_allocator(NULL, &allocator, NULL), LCOR_OK);
+    fill(prims, 1, 0, &seed);
+    assert_int_equal(lcor_bvh_new(PRIMS, prims, &allocator, NULL, &bvh, NULL), LCOR_OK);
+    for (int r = 0; r < 20 * RAYS; r++) {
+        const lcor_bvh_prim *aim = &prims[r % PRIMS];
+        const double u = r % 3 ? random_unit(&seed) : 0, v = r % 4 ? random_unit(&seed) : 0;
+        lcor_ray ray = {{0, 0, 0}, {0, 0, 0}, 0, HUGE_VAL, LCOR_BVH_NONE};
+        lcor_bvh_hit first, hit;
+        int found;
+
+        for (int k = 0; k < 3; k++) {
+            /* Every other ray starts in the plane of what it aims at. */
+            ray.origin[k] = r % 2 ? aim->origin[k] + 3 * aim->edge_u[k] + 2 * aim->edge_v[k]
+                                  : random_unit(&seed);
+            ray.direction[k] =
+                aim->origin[k] + u * aim->edge_u[k] + v * aim->edge_v[k] - ray.origin[k];
+        }
+        bvh->walk = bvh_walk_at(0);
+        memset(&first, 0, sizeof first);
+        found = lcor_bvh_closest(bvh, &ray, &first);
+        hits += found;
+        for (size_t i = 0; bvh_walk_at(i); i++) {
+            bvh->walk = bvh_walk_at(i);
+            memset(&hit, 0, sizeof hit);
+            assert_int_equal(lcor_bvh_closest(bvh, &ray, &hit), found);
+            assert_memory_equal(&hit, &first, sizeof hit);
+            assert_int_equal(lcor_bvh_occluded(bvh, &ray, NULL), found);
+        }
+    }
+    assert_true(hits > 10 * RAYS);
+    lcor_bvh_free(bvh);
+}
+
+/* A sure hit by the float test is one: t_min and t_max an ulp before and behind a wall. */
+static void ends_of_the_ray_are_exact(void **state)
+{
+    const lcor_bvh_prim wall = {{-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 0, 1};
+    lcor_allocator allocator;
+    lcor_bvh *bvh = NULL;
+    lcor_bvh_hit hit;
+
+    (void)state;
+    assert_int_equal(lcor_internal_allocator(NULL, &allocator, NULL), LCOR_OK);
+    assert_int_equal(lcor_bvh_new(1, &wall, &allocator, NULL, &bvh, NULL), LCOR_OK);
+    for (size_t i = 0; bvh_walk_at(i); i++) {
+        lcor_ray ray = {{0.1, 0.2, 0.5}, {0, 0, -1}, 0, HUGE_VAL, LCOR_BVH_NONE};
+
+        bvh->walk = bvh_walk_at(i);
+        for (int k = -1; k <= 1; k++) {
+            ray.t_max = 0.5 + k * 1e-12;
+            ray.t_min = 0;
+            assert_int_equal(lcor_bvh_closest(bvh, &ray, &hit), k > 0);
+            assert_int_equal(lcor_bvh_occluded(bvh, &ray, NULL), k > 0);
+            ray.t_min = ray.t_max;
+            ray.t_max = 2;
+            assert_int_equal(lcor_bvh_closest(bvh, &ray, &hit), k < 0);
+            assert_int_equal(lcor_bvh_occluded(bvh, &ray, NULL), k < 0);
+        }
+    }
+    lcor_bvh_free(bvh);
+}
+
 /* Two triangles that share an edge: no ray may slip through. */
 static void shared_edges_are_closed(void **state)
 {
@@ -160,6 +232,8 @@ int main(void)
         cmocka_unit_test(hits_agree_with_brute_force),
         cmocka_unit_test(tiny_and_huge_scenes_are_no_different),
         cmocka_unit_test(scenes_far_from_the_origin_are_no_different),
+        cmocka_unit_test(instruction_sets_agree),
+        cmocka_unit_test(ends_of_the_ray_are_exact),
         cmocka_unit_test(shared_edges_are_closed),
         cmocka_unit_test(an_empty_hierarchy_is_never_hit),
     };

@@ -30,6 +30,13 @@
 #define LCOR_COLD
 #endif
 
+/* Loops that are compiled once per instruction set must follow their caller's. */
+#if defined(__GNUC__)
+#define LCOR_INLINE inline __attribute__((always_inline))
+#else
+#define LCOR_INLINE inline
+#endif
+
 /* Fill *err (may be NULL) and return `status`, so that a failure is one return statement.
  * `where` is the index of the offending item or line, or -1. Formats may print integers and
  * strings only: floating-point conversions follow the host's locale. */

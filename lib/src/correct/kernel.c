@@ -3,20 +3,10 @@
 #include "correct/internal.h"
 #include "correct/sample.h"
 
+#include "base/cpu.h"
 #include "base/internal.h"
 
 #include <string.h>
-
-#if defined(__x86_64__) && defined(__GNUC__)
-#define LCOR_HAVE_X86
-#include <cpuid.h>
-#endif
-
-#if defined(__GNUC__)
-#define LCOR_INLINE inline __attribute__((always_inline))
-#else
-#define LCOR_INLINE inline
-#endif
 
 /* A loop over a block. Known to be short, it would be unrolled to many times its size for nothing.
  */
@@ -63,47 +53,17 @@
 #undef INT_ORDER
 #endif
 
-#ifdef LCOR_HAVE_X86
-
-/* Sets of vector registers the operating system saves (XCR0): 0 without AVX. */
-static unsigned saved_state(unsigned ecx_of_leaf_1)
-{
-    unsigned low = 0, high;
-
-    if (ecx_of_leaf_1 & bit_OSXSAVE)
-        __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
-    return low;
-}
-
-static void find_sets(int *has_avx2, int *has_avx512)
-{
-    const unsigned avx512 = bit_AVX512F | bit_AVX512DQ | bit_AVX512BW | bit_AVX512VL;
-    unsigned a, b = 0, c = 0, d, state;
-
-    *has_avx2 = *has_avx512 = 0;
-    if (!__get_cpuid(1, &a, &b, &c, &d))
-        return;
-    state = saved_state(c);
-    if ((state & 0x06) != 0x06 || !__get_cpuid_count(7, 0, &a, &b, &c, &d))
-        return;
-    *has_avx2 = (b & bit_AVX2) != 0;
-    *has_avx512 = (state & 0xE6) == 0xE6 && (b & avx512) == avx512;
-}
-
-#endif
-
 const lcor_kernel *lcor_internal_kernel(size_t index)
 {
     const lcor_kernel *found[3];
     size_t count = 0;
 
 #ifdef LCOR_HAVE_X86
-    int has_avx2, has_avx512;
+    const lcor_cpu cpu = lcor_internal_cpu();
 
-    find_sets(&has_avx2, &has_avx512);
-    if (has_avx512)
+    if (cpu.avx512)
         found[count++] = &kernel_avx512;
-    if (has_avx2)
+    if (cpu.avx2)
         found[count++] = &kernel_avx2;
 #endif
     found[count++] = &kernel_base;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Rays against flat primitives: a bounding volume hierarchy with eight children a node and blocks
- * of eight primitives. Boxes and a first test are in float; every hit that counts is decided in
- * double, so that results do not depend on the size of the scene or its place in space. */
+ * of four primitives. Boxes and a first test are in float, with a bound on their error; what that
+ * leaves open, and where a hit lies, is decided in double, so that results do not depend on the
+ * size of the scene or its place in space, nor on the processor's vector instructions. */
 #ifndef LCOR_GEOMETRY_BVH_H
 #define LCOR_GEOMETRY_BVH_H
 

@@ -15,6 +15,9 @@ static const float box_slack = 8 * FLT_EPSILON;
 /* The same for the products of the float test: origins lie within 6, edges are at most 2 sqrt 3. */
 static const double product_slack = 64 * (double)FLT_EPSILON;
 
+/* More than any primitive has in the frame. */
+static const double scene_area = 16;
+
 typedef struct box {
     float lo[3], hi[3];
 } box;
@@ -22,7 +25,7 @@ typedef struct box {
 typedef struct item {
     box bounds;
     float centre[3];
-    uint32_t prim;
+    uint32_t at; /* in builder.exact */
 } item;
 
 /* left < 0: leaf of items first..first+count-1. A subtree of k items owns 2k - 1 nodes in a row,
@@ -39,6 +42,7 @@ typedef struct subtree {
 } subtree;
 
 typedef struct builder {
+    bvh_exact *exact;
     item *items;
     binary_node *nodes;
     subtree tasks[TASKS_MAX];
@@ -152,8 +156,8 @@ static int is_leaf(const binary_node *node, const split *s)
 {
     if (node->count <= 2)
         return 1;
-    /* A block tests its eight primitives for about 0.6 of a node each. */
-    return node->count <= BVH_WIDTH &&
+    /* A block tests its primitives for about 0.6 of a node each. */
+    return node->count <= BVH_BLOCK &&
            (s->axis < 0 || s->cost >= box_area(&node->bounds) * 0.6f * (float)node->count);
 }
 
@@ -213,12 +217,11 @@ static void fill_block(lcor_bvh *bvh, const builder *b, const binary_node *leaf)
     bvh_block *block = &bvh->blocks[bvh->block_count++];
 
     memset(block, 0, sizeof *block);
-    block->count = leaf->count;
-    for (uint32_t i = 0; i < BVH_WIDTH; i++)
+    block->first = (uint32_t)bvh->exact_count;
+    for (uint32_t i = 0; i < BVH_BLOCK; i++)
         block->sum_max[i] = -1;
     for (uint32_t i = 0; i < leaf->count; i++) {
-        const uint32_t prim = b->items[leaf->first + i].prim;
-        const lcor_bvh_prim *p = &bvh->prims[prim];
+        const bvh_exact *p = &b->exact[b->items[leaf->first + i].at];
 
         for (int k = 0; k < 3; k++) {
             block->origin[k][i] = (float)p->origin[k];
@@ -228,7 +231,43 @@ static void fill_block(lcor_bvh *bvh, const builder *b, const binary_node *leaf)
         block->sum_max[i] = p->parallelogram ? 2.0f : 1.0f;
         block->slack[i] =
             (float)(product_slack * fmax(vec_length(p->edge_u), vec_length(p->edge_v)));
-        block->prim[i] = prim;
+        block->owner[i] = p->owner;
+        bvh->exact[bvh->exact_count++] = *p;
+    }
+}
+
+/* Mean area of the primitives below, blocks above all nodes. */
+static double blocking(const builder *b, size_t at)
+{
+    const binary_node *node = &b->nodes[at];
+    double sum = 0;
+
+    for (uint32_t i = 0; i < node->count; i++) {
+        const bvh_exact *p = &b->exact[b->items[node->first + i].at];
+        double normal[3];
+
+        vec_cross(p->edge_u, p->edge_v, normal);
+        sum += vec_length(normal) * (p->parallelogram ? 1 : 0.5);
+    }
+    return sum / node->count + (node->left < 0 ? scene_area : 0);
+}
+
+/* An occlusion ray takes the last child first: that shall be the one that ends it soonest. */
+static void order_children(const builder *b, size_t *child, int count)
+{
+    double value[BVH_WIDTH];
+
+    for (int i = 0; i < count; i++) {
+        const size_t moved = child[i];
+        const double v = blocking(b, moved);
+        int at = i;
+
+        for (; at > 0 && value[at - 1] > v; at--) {
+            child[at] = child[at - 1];
+            value[at] = value[at - 1];
+        }
+        child[at] = moved;
+        value[at] = v;
     }
 }
 
@@ -264,13 +303,14 @@ static int32_t collapse(lcor_bvh *bvh, const builder *b, size_t at, float pad)
         child[count++] = (size_t)b->nodes[child[open]].right;
         child[open] = (size_t)b->nodes[child[open]].left;
     }
+    order_children(b, child, count);
     node = &bvh->nodes[me];
     for (int i = 0; i < BVH_WIDTH; i++) {
         const box *bounds = i < count ? &b->nodes[child[i]].bounds : &empty_box;
 
         for (int k = 0; k < 3; k++) {
-            node->lo[k][i] = i < count ? bounds->lo[k] - pad : FLT_MAX;
-            node->hi[k][i] = i < count ? bounds->hi[k] + pad : -FLT_MAX;
+            node->slab[2 * k][i] = i < count ? bounds->lo[k] - pad : FLT_MAX;
+            node->slab[2 * k + 1][i] = i < count ? bounds->hi[k] + pad : -FLT_MAX;
         }
         node->child[i] = 0;
     }
@@ -301,35 +341,36 @@ static void find_frame(lcor_bvh *bvh, size_t n, const lcor_bvh_prim *prims)
     bvh->scale = extent > 0 ? 1 / extent : 1;
 }
 
-/* Copies the primitives into the frame; returns how many have area. */
-static size_t load(lcor_bvh *bvh, size_t n, const lcor_bvh_prim *prims, item *items)
+/* Takes the primitives that have area into the frame; returns how many. */
+static size_t load(const lcor_bvh *bvh, size_t n, const lcor_bvh_prim *prims, builder *b)
 {
     size_t used = 0;
 
     for (size_t i = 0; i < n; i++) {
-        lcor_bvh_prim *p = &bvh->prims[i];
-        item *it = &items[used];
+        bvh_exact *p = &b->exact[used];
+        item *it = &b->items[used];
         double normal[3];
 
-        *p = prims[i];
         for (int k = 0; k < 3; k++) {
-            p->origin[k] = (p->origin[k] - bvh->centre[k]) * bvh->scale;
-            p->edge_u[k] *= bvh->scale;
-            p->edge_v[k] *= bvh->scale;
+            p->origin[k] = (prims[i].origin[k] - bvh->centre[k]) * bvh->scale;
+            p->edge_u[k] = prims[i].edge_u[k] * bvh->scale;
+            p->edge_v[k] = prims[i].edge_v[k] * bvh->scale;
         }
+        p->prim = (uint32_t)i;
+        p->owner = prims[i].owner;
+        p->parallelogram = prims[i].parallelogram;
         vec_cross(p->edge_u, p->edge_v, normal);
         if (!(vec_length(normal) > 0))
             continue;
-        it->prim = (uint32_t)i;
         for (int k = 0; k < 3; k++) {
-            const double a = p->origin[k], b = a + p->edge_u[k], c = a + p->edge_v[k];
-            const double d = p->parallelogram ? b + p->edge_v[k] : a;
+            const double o = p->origin[k], u = o + p->edge_u[k], v = o + p->edge_v[k];
+            const double far = p->parallelogram ? u + p->edge_v[k] : o;
 
-            it->bounds.lo[k] = (float)fmin(fmin(a, b), fmin(c, d));
-            it->bounds.hi[k] = (float)fmax(fmax(a, b), fmax(c, d));
+            it->bounds.lo[k] = (float)fmin(fmin(o, u), fmin(v, far));
+            it->bounds.hi[k] = (float)fmax(fmax(o, u), fmax(v, far));
             it->centre[k] = 0.5f * it->bounds.lo[k] + 0.5f * it->bounds.hi[k];
         }
-        used++;
+        it->at = (uint32_t)used++;
     }
     return used;
 }
@@ -354,9 +395,10 @@ static int build_tree(lcor_bvh *bvh, builder *b, size_t used, const lcor_paralle
         for (size_t i = 0; i < b->task_count; i++)
             build_task(b, i);
     leaves = count_leaves(b->nodes, 0); /* a wide node has two children or is the root */
+    bvh->exact = lcor_internal_alloc(&bvh->allocator, used * sizeof *bvh->exact);
     bvh->nodes = lcor_internal_alloc(&bvh->allocator, leaves * sizeof *bvh->nodes);
     bvh->blocks = lcor_internal_alloc(&bvh->allocator, leaves * sizeof *bvh->blocks);
-    if (!bvh->nodes || !bvh->blocks)
+    if (!bvh->exact || !bvh->nodes || !bvh->blocks)
         return 0;
     (void)collapse(bvh, b, 0, box_slack);
     return 1;
@@ -375,22 +417,24 @@ lcor_status lcor_bvh_new(size_t n, const lcor_bvh_prim *prims, const lcor_alloca
         goto no_memory;
     memset(bvh, 0, sizeof *bvh);
     bvh->allocator = *allocator;
-    bvh->prim_count = n;
-    bvh->prims = lcor_internal_alloc(allocator, (n + 1) * sizeof *bvh->prims);
+    bvh->walk = bvh_walk_at(0);
+    b.exact = lcor_internal_alloc(allocator, (n + 1) * sizeof *b.exact);
     b.items = lcor_internal_alloc(allocator, (n + 1) * sizeof *b.items);
     b.nodes = lcor_internal_alloc(allocator, (2 * n + 1) * sizeof *b.nodes);
-    if (!bvh->prims || !b.items || !b.nodes)
+    if (!b.exact || !b.items || !b.nodes)
         goto no_memory;
     find_frame(bvh, n, prims);
-    n = load(bvh, n, prims, b.items);
+    n = load(bvh, n, prims, &b);
     if (n > 0 && !build_tree(bvh, &b, n, parallel))
         goto no_memory;
+    lcor_internal_free(allocator, b.exact);
     lcor_internal_free(allocator, b.items);
     lcor_internal_free(allocator, b.nodes);
     *out = bvh;
     return LCOR_OK;
 
 no_memory:
+    lcor_internal_free(allocator, b.exact);
     lcor_internal_free(allocator, b.items);
     lcor_internal_free(allocator, b.nodes);
     lcor_bvh_free(bvh);
@@ -401,7 +445,7 @@ void lcor_bvh_free(lcor_bvh *bvh)
 {
     if (!bvh)
         return;
-    lcor_internal_free(&bvh->allocator, bvh->prims);
+    lcor_internal_free(&bvh->allocator, bvh->exact);
     lcor_internal_free(&bvh->allocator, bvh->nodes);
     lcor_internal_free(&bvh->allocator, bvh->blocks);
     lcor_internal_free(&bvh->allocator, bvh);
@@ -409,6 +453,6 @@ void lcor_bvh_free(lcor_bvh *bvh)
 
 size_t lcor_bvh_bytes(const lcor_bvh *bvh)
 {
-    return sizeof *bvh + bvh->prim_count * sizeof *bvh->prims +
+    return sizeof *bvh + bvh->exact_count * sizeof *bvh->exact +
            bvh->node_count * sizeof *bvh->nodes + bvh->block_count * sizeof *bvh->blocks;
 }

@@ -5,31 +5,49 @@
 
 #include "geometry/bvh.h"
 
-enum { BVH_WIDTH = 8, BVH_DEPTH_MAX = 72 };
+enum { BVH_WIDTH = 8, BVH_BLOCK = 4, BVH_DEPTH_MAX = 72 };
 
 /* child >= 0: a node; < 0: block ~child. Unused slots have empty boxes. */
 typedef struct bvh_node {
-    float lo[3][BVH_WIDTH], hi[3][BVH_WIDTH];
+    float slab[6][BVH_WIDTH]; /* of the boxes: x low, x high, y low... */
     int32_t child[BVH_WIDTH];
 } bvh_node;
 
-/* Eight primitives side by side. `slack` / |determinant| bounds how far the float u, v and t of a
- * hit may be from the true ones. */
+/* Up to four primitives side by side, number `first` and on. `slack` / |determinant| bounds how far
+ * the float u, v and t of a hit may be from the true ones. */
 typedef struct bvh_block {
-    float origin[3][BVH_WIDTH], u[3][BVH_WIDTH], v[3][BVH_WIDTH];
-    float sum_max[BVH_WIDTH]; /* largest u + v: 1 triangle, 2 parallelogram, -1 unused */
-    float slack[BVH_WIDTH];
-    uint32_t prim[BVH_WIDTH];
-    uint32_t count;
+    float origin[3][BVH_BLOCK], u[3][BVH_BLOCK], v[3][BVH_BLOCK];
+    float sum_max[BVH_BLOCK]; /* largest u + v: 1 triangle, 2 parallelogram, -1 unused */
+    float slack[BVH_BLOCK];
+    uint32_t owner[BVH_BLOCK], first;
 } bvh_block;
 
+/* A primitive in the frame of the hierarchy, in the order of the blocks. */
+typedef struct bvh_exact {
+    double origin[3], edge_u[3], edge_v[3];
+    uint32_t prim, owner;
+    int parallelogram;
+} bvh_exact;
+
+/* The walk for one instruction set. */
+typedef struct bvh_walker bvh_walker;
+typedef struct bvh_walk {
+    const char *name;
+    void (*closest)(bvh_walker *w);
+    uint32_t (*occluded)(bvh_walker *w, uint32_t first);
+} bvh_walk;
+
+/* Those that this build has and the machine can run, best first; NULL after the last. */
+const bvh_walk *bvh_walk_at(size_t index);
+
 struct lcor_bvh {
+    const bvh_walk *walk;
     lcor_allocator allocator;
     double centre[3], scale; /* (x - centre) scale lies in -1..1 */
-    lcor_bvh_prim *prims;    /* in that frame */
+    bvh_exact *exact;
     bvh_node *nodes;
     bvh_block *blocks;
-    size_t prim_count, node_count, block_count;
+    size_t exact_count, node_count, block_count;
 };
 
 #endif
