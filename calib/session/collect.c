@@ -9,6 +9,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Film base and the darkest papers stay below this, blacks worth the name above. */
+#define D_SURELY_BLACK 0.7
+
 int session_reject(const session *s, const char *format, ...)
 {
     char text[512];
@@ -227,6 +230,45 @@ static void report_evenness(const patch *p, const attempt *a)
     lccal_event_end(&event);
 }
 
+int session_exchange(session *s)
+{
+    lcor_profile *swapped;
+    lcor_error err;
+    if (lcor_profile_new(NULL, &swapped, &err) != LCOR_OK)
+        return lccal_fail(LCCAL_FAILED, "%s", err.text);
+    for (size_t i = 0; i < lcor_profile_count(s->profile); i++) {
+        lcor_profile_reading r;
+        (void)lcor_profile_reading_get(s->profile, i, &r, NULL);
+        const bool was_white = strcmp(r.name, "white") == 0;
+        r.name = was_white ? "black" : "white";
+        r.id = NULL;
+        r.rgb[0] = r.rgb[1] = r.rgb[2] = was_white ? 0.0 : 255.0;
+        if (lcor_profile_reading_add(swapped, &r, &err) != LCOR_OK) {
+            lcor_profile_free(swapped);
+            return lccal_fail(LCCAL_FAILED, "%s", err.text);
+        }
+    }
+    lcor_profile_free(s->profile);
+    s->profile = swapped;
+    const patch first = s->patches[WHITE];
+    s->patches[WHITE].first = s->patches[BLACK].first;
+    s->patches[WHITE].count = s->patches[BLACK].count;
+    s->patches[BLACK].first = first.first;
+    s->patches[BLACK].count = first.count;
+    s->black_first = !s->black_first;
+    return LCCAL_OK;
+}
+
+/* The first reading of all tells whether white or black is under the instrument. */
+static int recognise(session *s, patch **p, double density)
+{
+    if (s->at > 0 || s->kind == READING_LUMINANCE || density < D_SURELY_BLACK)
+        return LCCAL_OK;
+    lccal_say("  This is the black patch, it seems; then white is next.");
+    *p = &s->patches[BLACK];
+    return session_exchange(s);
+}
+
 int session_patch(session *s, patch *p)
 {
     static const char *const positions[POSITIONS_MAX] = {
@@ -246,6 +288,9 @@ int session_patch(session *s, patch *p)
             continue; /* it was said why; the same patch again */
         if (result != LCCAL_OK)
             return result;
+        const int known = a.count > 0 ? LCCAL_OK : recognise(s, &p, a.densities[0]);
+        if (known != LCCAL_OK)
+            return known;
         a.where[a.count++] = p->first + p->count - 1;
         announce(s, p, &a, wanted);
     }

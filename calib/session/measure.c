@@ -9,10 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { WHITE, BLACK, FIRST_STEP, AGAIN = -1, REFINE_ROUNDS = 4 };
-
-/* Film base and the darkest papers stay below this, blacks worth the name above. */
-#define D_SURELY_BLACK 0.7
+enum { AGAIN = -1, REFINE_ROUNDS = 4 };
 
 /* "white, the bare paper: lower the head ..., 5 times." */
 static void question(const session *s, const patch *p, char *text, size_t capacity)
@@ -65,35 +62,6 @@ int session_ask(session *s, const patch *p)
     return LCCAL_OK;
 }
 
-/* Exchange white and black among the readings taken so far. */
-static int swap_names(session *s)
-{
-    lcor_profile *swapped;
-    lcor_error err;
-    if (lcor_profile_new(NULL, &swapped, &err) != LCOR_OK)
-        return lccal_fail(LCCAL_FAILED, "%s", err.text);
-    for (size_t i = 0; i < lcor_profile_count(s->profile); i++) {
-        lcor_profile_reading r;
-        (void)lcor_profile_reading_get(s->profile, i, &r, NULL);
-        const bool was_white = strcmp(r.name, "white") == 0;
-        r.name = was_white ? "black" : "white";
-        r.id = NULL;
-        r.rgb[0] = r.rgb[1] = r.rgb[2] = was_white ? 0.0 : 255.0;
-        if (lcor_profile_reading_add(swapped, &r, &err) != LCOR_OK) {
-            lcor_profile_free(swapped);
-            return lccal_fail(LCCAL_FAILED, "%s", err.text);
-        }
-    }
-    lcor_profile_free(s->profile);
-    s->profile = swapped;
-    const patch first = s->patches[WHITE];
-    s->patches[WHITE].first = s->patches[BLACK].first;
-    s->patches[WHITE].count = s->patches[BLACK].count;
-    s->patches[BLACK].first = first.first;
-    s->patches[BLACK].count = first.count;
-    return LCCAL_OK;
-}
-
 int session_sort(session *s)
 {
     const double white = session_patch_density(s, &s->patches[WHITE]);
@@ -104,7 +72,7 @@ int session_sort(session *s)
     if (white < black)
         return LCCAL_OK;
     lccal_say("The first patch was the black one; both are taken for what they are.");
-    return swap_names(s);
+    return session_exchange(s);
 }
 
 int session_check_step(session *s, size_t i)
@@ -153,7 +121,7 @@ int session_refine(session *s)
     return LCCAL_OK;
 }
 
-/* What to do with patch i once it is measured. */
+/* What to do with the i-th patch once it is measured. */
 static int follow_up(session *s, size_t i)
 {
     if (i == BLACK)
@@ -161,31 +129,41 @@ static int follow_up(session *s, size_t i)
     return i >= FIRST_STEP ? session_check_step(s, i) : LCCAL_OK;
 }
 
+/* The patch that is measured as the i-th. */
+static patch *patch_at(session *s, size_t i)
+{
+    return &s->patches[i < FIRST_STEP && s->black_first ? 1 - i : i];
+}
+
+/* Strike out what was measured of the patch that is next. */
+static void start_over(session *s)
+{
+    session_strike(s, patch_at(s, s->at));
+    if (s->at == 0)
+        s->black_first = false;
+}
+
 static int run(session *s)
 {
-    for (size_t i = 0; i < s->patch_count;) {
-        patch *p = &s->patches[i];
-        const int asked = session_ask(s, p);
+    while (s->at < s->patch_count) {
+        const int asked = session_ask(s, patch_at(s, s->at));
         if (asked == AGAIN) {
-            i -= i > 0;
-            session_strike(s, &s->patches[i]);
+            s->at -= s->at > 0;
+            start_over(s);
             continue;
         }
         if (asked != LCCAL_OK)
             return asked;
-        int result = session_patch(s, p);
+        int result = session_patch(s, patch_at(s, s->at));
         if (result == LCCAL_OK)
-            result = follow_up(s, i);
+            result = follow_up(s, s->at);
         if (result == LCCAL_REJECTED && !s->options->yes) {
-            session_strike(s, p);
+            start_over(s);
             continue;
         }
         if (result != LCCAL_OK)
             return result;
-        if (i == WHITE && s->kind != READING_LUMINANCE && !s->options->yes &&
-            session_patch_density(s, p) > D_SURELY_BLACK)
-            lccal_say("That was the black patch, it seems; then white is next.");
-        i++;
+        s->at++;
     }
     return session_refine(s);
 }

@@ -7,7 +7,7 @@
 #include "lccal.h"
 #include "session/journal.h"
 
-enum { PATCHES_MAX = 66, POSITIONS_MAX = 9 };
+enum { PATCHES_MAX = 66, POSITIONS_MAX = 9, WHITE = 0, BLACK = 1, FIRST_STEP = 2 };
 
 /* A patch to be measured. */
 typedef struct patch {
@@ -25,8 +25,10 @@ typedef struct session {
     double step;                /* coarsest resolution seen */
     reading_kind kind;          /* of the first reading */
     unsigned has;               /* what the first reading held; all must hold the same */
-    patch patches[PATCHES_MAX]; /* white, black, then the grey steps */
+    patch patches[PATCHES_MAX]; /* WHITE, BLACK, then the grey steps */
     size_t patch_count;
+    size_t at;        /* how many patches are done */
+    bool black_first; /* the first two are measured in this order */
 } session;
 
 /* Exit code for a failed call below this floor, after telling the user. */
@@ -43,8 +45,11 @@ int session_open(session *s, const lccal_measure_options *options);
 
 /* Ask for patch p. LCCAL_OK: go; -1: the patch before again; else an exit code. */
 int session_ask(session *s, const patch *p);
-/* Measure patch p and judge it. LCCAL_REJECTED without --yes: ask for it again. */
+/* Measure patch p and judge it. LCCAL_REJECTED without --yes: ask for it again. If it is the first
+ * one and surely black, white and black change places. */
 int session_patch(session *s, patch *p);
+/* Exchange white and black among the readings taken so far, and in the order of patches. */
+int session_exchange(session *s);
 /* Strike out the last attempt at p. */
 void session_strike(session *s, const patch *p);
 

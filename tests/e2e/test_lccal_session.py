@@ -52,6 +52,43 @@ def test_black_first_is_recognised(tmp_path):
     assert contrast(profile) == pytest.approx(23.4, abs=1e-4)
 
 
+def test_white_is_asked_for_when_black_came_first(tmp_path):
+    profile = tmp_path / "p.cgats"
+    with Emulator() as device, Session("--port", device.port, "--readings", 2,
+                                       "-o", profile) as session:
+        # black for white, mixed black, black, black again instead of white, white
+        for pressed in ((1.44, 0.07), (1.44, 1.44), (1.44, 1.44), (0.07, 0.07)):
+            session.until("prompt", patch="white")
+            session.answer()
+            session.until("ready")
+            device.press(*pressed)
+        assert session.end() == 0, session.errors
+    told = [(event["patch"], event["density"]) for event in session.seen
+            if event["event"] == "reading"]
+    assert told == [("black", 1.44), ("black", 0.07), ("black", 1.44), ("black", 1.44),
+                    ("white", 1.44), ("white", 1.44), ("white", 0.07), ("white", 0.07)]
+    assert [(row[1], row[-1]) for row in rows(profile) if row[-1] == "0"] == [
+        ("black", "0"), ("black", "0"), ("white", "0"), ("white", "0")]
+    assert contrast(profile) == pytest.approx(10**1.37, rel=1e-6)
+
+
+def test_first_patch_is_measured_again_whatever_it_was(tmp_path):
+    profile = tmp_path / "p.cgats"
+    with Emulator() as device, Session("--port", device.port, "--readings", 1,
+                                       "-o", profile) as session:
+        for asked, answer, density in (("white", "", 1.4), ("white", "r", None),
+                                       ("white", "", 0.07), ("black", "", 1.44)):
+            session.until("prompt", patch=asked)
+            session.answer(answer)
+            if density is not None:
+                session.until("ready")
+                device.press(density)
+        assert session.end() == 0, session.errors
+    assert [(row[1], float(row[5]), row[-1]) for row in rows(profile)] == [
+        ("black", pytest.approx(1.4), "1"), ("white", pytest.approx(0.07), "0"),
+        ("black", pytest.approx(1.44), "0")]
+
+
 def test_outlier_is_kept_but_marked_and_the_median_stands(tmp_path):
     profile = tmp_path / "p.cgats"
     with Emulator() as device, Session("--port", device.port, "-o", profile) as session:

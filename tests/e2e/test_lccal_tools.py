@@ -2,6 +2,7 @@
 """lccal list, doctor and device."""
 
 import os
+import re
 import time
 import tty
 
@@ -12,11 +13,14 @@ from lccal_bench import SOURCE, Emulator, Session, lccal
 def test_list_and_doctor_are_quick_beside_dead_ports():
     with Emulator("--fault", "silence") as device:
         for arguments in (("list", "--all"), ("doctor",), ("doctor", "--port", device.port)):
-            before = os.times()
-            run = lccal(*arguments)
-            after = os.times()
-            assert after.elapsed - before.elapsed < 2.0, "it waited for a dead port"
-            assert run.returncode in (0, 3), run.stderr
+            elapsed = []
+            while not elapsed or (elapsed[-1] >= 2.0 and len(elapsed) < 5):  # a busy machine
+                before = time.monotonic()
+                run = lccal(*arguments)
+                elapsed.append(time.monotonic() - before)
+                assert run.returncode in (0, 3), run.stderr
+            assert elapsed[-1] < 2.0, "it waited for a dead port"
+        assert not device.spoken_to.is_set()
 
 
 def test_doctor_of_a_port_that_is_not_there():
@@ -111,6 +115,14 @@ def test_emulator_answers_on_a_serial_port_too():
     assert reply == b'GS V,"Printalyzer Densitometer","v1.1.0"\r\n'
     os.close(master)
     os.close(slave)
+
+
+@pytest.mark.parametrize("command", ["measure", "list", "doctor", "device", "enter", "show",
+                                     "verify", "history", "export", "target"])
+def test_manual_has_every_option(command):
+    manual = (SOURCE / "calib" / "lccal.1").read_text().replace("\\-", "-")
+    options = re.findall(r"--[a-z-]+", lccal(command, "--help").stdout)
+    assert options and [option for option in options if option not in manual] == []
 
 
 @pytest.mark.parametrize("command", [(), ("list",), ("doctor",), ("device",)])

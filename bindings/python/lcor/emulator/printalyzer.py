@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Dektronics Printalyzer Densitometer DPD-100: commands, both reading formats, faults.
 
-Faults of its own: wrong-echo (answers name another command), nak, err (to everything but GS V, or
-nak=all, err=all to that too), chatter (a log line and a reading between command and reply), stale (a reading before the first
-command), uncalibrated (no target calibration, so pressing does nothing), basic (refuses the
-extended format), cr-only (lines end in CR).
+Faults of its own: wrong-echo (answers name another command), nak, err (to everything but GS V,
+nak=all and err=all to that too), chatter (a log line and a reading between command and reply),
+stale (a reading before the first command), uncalibrated (no target calibration, so pressing does
+nothing), basic (refuses the extended format), cr-only (lines end in CR).
 """
 
 import math
