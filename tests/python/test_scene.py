@@ -106,6 +106,27 @@ def test_threads_do_not_change_bits():
         np.testing.assert_array_equal(one.irradiance(surface), two.irradiance(surface))
 
 
+@pytest.mark.parametrize("engine", ["links", "gather"])
+def test_either_engine_meets_the_tolerance(engine):
+    exact = lcor.solve_radiosity(room(6), tolerance=1e-3)
+    solution = lcor.solve_radiosity(room(6), tolerance=0.02, engine=engine)
+    assert solution.report["engine"] == engine and solution.report["converged"]
+    assert (solution.report["rays"] > 0) == (engine == "gather")
+    got, expected = ([s.irradiance(i) for i in range(6)] for s in (solution, exact))
+    assert np.sqrt(np.mean((np.array(got) / expected - 1) ** 2)) < 0.02
+    place = [[0.5, 0.5, 0.0]], [0, 0, 1.0]
+    assert solution.at(*place) == pytest.approx(exact.at(*place), rel=0.05)
+
+
+def test_the_scene_chooses_its_engine():
+    assert lcor.solve_radiosity(room()).report["engine"] == "links"
+    scene = lcor.Scene()
+    for i in range(100):
+        scene.add_quad((i % 10, i // 10, 0.1 * (i % 3)), (0.9, 0, 0), (0, 0.9, 0))
+    scene.add_point_light((5, 5, 3), 10.0)
+    assert lcor.solve_radiosity(scene, tolerance=0.1).report["engine"] == "gather"
+
+
 def test_triangles_and_polygons_have_lists_of_patches():
     scene = lcor.Scene()
     triangle = scene.add_triangle((0, 0, 0), (1, 0, 0), (0, 1, 0), patches=3)

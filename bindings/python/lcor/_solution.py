@@ -152,7 +152,9 @@ def solve_radiosity(
     norm
         "rms": area-weighted over the patches; "max": the largest.
     engine
-        "auto" lets the scene decide; "links" or "gather" force one.
+        "links": light carried between elements of surfaces, for scenes of few surfaces;
+        "gather": light gathered by rays, for any number of them; "auto" lets the scene decide,
+        and the report says how.
     channels
         None: 1 if lights and emission are grey, else 3; or 1 or 3.
     max_seconds, max_bytes
