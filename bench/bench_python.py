@@ -4,19 +4,20 @@
 from __future__ import annotations
 
 import ctypes
-import os
 import subprocess
 import sys
 import threading
 import time
 from functools import partial
 from pathlib import Path
+from resource import RUSAGE_CHILDREN, getrusage
+from timeit import repeat
 
 import lcor
 import numpy as np
 from results import best, table, write
 
-HEIGHT, WIDTH = 4096, 4096
+HEIGHT, WIDTH, TURNS = 4096, 4096, 16
 
 
 def overhead() -> dict:
@@ -30,8 +31,13 @@ def overhead() -> dict:
         "contrast_from_density": lambda: lcor.contrast_from_density(1.44, 0.07),
         "Plan.apply(array of 3)": lambda: plan.apply(pixel, 1.0),
     }
-    rows = [[name, 1e6 * best(call, 9, 0.02)] for name, call in calls.items()]
-    return table("Python: cost of one small call", "", ["call", "microseconds"], rows)
+    number = 20000
+    rows = [
+        [name, 1e6 / number * min(repeat(call, timer=time.process_time, number=number, repeat=9))]
+        for name, call in calls.items()
+    ]
+    note = f"Processor time, best of 9 times {number} calls, with the lambda around each."
+    return table("Python: cost of one small call", note, ["call", "microseconds"], rows)
 
 
 def imports() -> dict:
@@ -39,7 +45,7 @@ def imports() -> dict:
 
     def start(code: str) -> float:
         run = partial(subprocess.run, [sys.executable, "-c", code], check=True)
-        return best(run, 9, clock=lambda: sum(os.times()[2:4]))  # of finished children
+        return best(run, 9, clock=lambda: sum(getrusage(RUSAGE_CHILDREN)[:2]))
 
     bare = start("pass")
     rows = [
@@ -51,40 +57,21 @@ def imports() -> dict:
     return table("Python: import", note, ["statement", "milliseconds"], rows)
 
 
-class Options(ctypes.Structure):
-    """lcor_plan_options."""
-
-    _fields_ = (
-        [("struct_size", ctypes.c_size_t)]
-        + [(n, ctypes.c_double) for n in ("contrast", "r_mean", "rho", "rho_ratio", "exponent")]
-        + [("reading", ctypes.c_int), ("gamut", ctypes.c_int), ("colour", ctypes.c_void_p)]
-        + [(n, ctypes.c_int) for n in ("in_type", "out_type", "map_type")]
-        + [("in_layout", ctypes.c_size_t * 2), ("out_layout", ctypes.c_size_t * 2)]
-        + [("tone_curve", ctypes.c_void_p), ("tone_size", ctypes.c_size_t)]
-        + [("allocator", ctypes.c_void_p * 3)]
-    )
-
-
-def c_loop(library: Path, rgb: np.ndarray, light: np.ndarray, out: np.ndarray):
-    """The C row loop, one lcor_correct_row a row, and the plan it uses."""
-    lib = ctypes.CDLL(str(library))
-    types = {"float32": 0, "float64": 1, "uint8": 2, "uint16": 3}
-    kind = types[rgb.dtype.name]
-    options = Options(ctypes.sizeof(Options), 23.4, 0.5, 0.5, 1.0, 1.0)
-    options.in_type = options.out_type = kind
-    plan = ctypes.c_void_p()
-    assert lib.lcor_plan_new(ctypes.byref(options), ctypes.byref(plan), None) == 0
-    row = lib.lcor_correct_row
-    row.argtypes = [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_size_t] + [ctypes.c_void_p] * 5
-    row.restype = None
-    bases = [(a.ctypes.data, a.strides[0]) for a in (rgb, light, out)]
-
-    def run() -> None:
-        (i, di), (e, de), (o, do) = bases
-        for y in range(rgb.shape[0]):
-            row(plan, y, rgb.shape[1], i + y * di, e + y * de, None, o + y * do, None)
-
-    return run
+def c_loop(library: ctypes.CDLL, rgb: np.ndarray, light: np.ndarray, out: np.ndarray):
+    """The C row loop over these arrays as a call without arguments."""
+    samples = {"float32": 0, "float64": 1, "uint8": 2, "uint16": 3}
+    library.row_loop_plan.restype = ctypes.c_void_p
+    library.row_loop_run.restype = None
+    library.row_loop_run.argtypes = [
+        ctypes.c_void_p,
+        *[ctypes.c_size_t] * 2,
+        *[ctypes.c_void_p] * 3,
+        ctypes.c_size_t,
+    ]
+    plan = library.row_loop_plan(samples[rgb.dtype.name])
+    rows, n = rgb.shape[:2]
+    data = [array.ctypes.data for array in (rgb, light, out)]
+    return partial(library.row_loop_run, plan, rows, n, *data, rgb.strides[0])
 
 
 def halves(plan: lcor.Plan, rgb: np.ndarray, light: np.ndarray, out: np.ndarray) -> None:
@@ -100,7 +87,13 @@ def halves(plan: lcor.Plan, rgb: np.ndarray, light: np.ndarray, out: np.ndarray)
         thread.join()
 
 
-def rows_against_c(library: Path) -> dict:
+def seconds(call, clock) -> float:
+    start = clock()
+    call()
+    return clock() - start
+
+
+def rows_against_c(library: ctypes.CDLL) -> dict:
     """Plan.apply, the C row loop and two threads, turn about in one run."""
     random = np.random.default_rng(0)
     lines = []
@@ -111,22 +104,23 @@ def rows_against_c(library: Path) -> dict:
         out, check = np.empty_like(rgb), np.empty_like(rgb)
         plan = lcor.Plan(23.4, 0.5)
         in_c = c_loop(library, rgb, light, check)
+        one, two = partial(plan.apply, rgb, light, out=out), partial(halves, plan, rgb, light, out)
         turns = [
             (
-                best(in_c, 1),
-                best(partial(plan.apply, rgb, light, out=out), 1),
-                best(partial(plan.apply, rgb, light, out=out), 1, clock=time.perf_counter),
-                best(partial(halves, plan, rgb, light, out), 1, clock=time.perf_counter),
+                seconds(in_c, time.process_time),
+                seconds(one, time.process_time),
+                seconds(one, time.perf_counter),
+                seconds(two, time.perf_counter),
             )
-            for _ in range(4)
+            for _ in range(TURNS)
         ]
         assert (out == check).all()
-        c, python, wall, two = (min(column) for column in zip(*turns))
+        c, python, wall, both = (min(column) for column in zip(*turns))
         ns = 1e9 / (HEIGHT * WIDTH)
-        lines.append([np.dtype(dtype).name, c * ns, python * ns, python / c, wall / two])
+        lines.append([np.dtype(dtype).name, c * ns, python * ns, python / c, wall / both])
     return table(
         "Python: 16 megapixels against the C row loop",
-        "Processor time, best of four turns in one run, the output compared byte for byte. Two "
+        f"Processor time, best of {TURNS} turns in one run, the output compared byte for byte. Two "
         "threads on two halves: elapsed time, so the machine's other work counts against them.",
         [
             "type",
@@ -140,9 +134,10 @@ def rows_against_c(library: Path) -> dict:
 
 
 if __name__ == "__main__":
-    # the shared library of ./dev bench, or the first one built
-    found = sorted(Path("build").glob("**/lib/liblcor.so"), key=lambda p: "bench" not in p.parts)
+    found = Path("build/bench/bench/librow_loop.so")
     tables = [overhead(), imports()]
-    if found:
-        tables.append(rows_against_c(found[0].resolve()))
+    if found.exists():
+        tables.append(rows_against_c(ctypes.CDLL(str(found.resolve()))))
+    else:
+        print(f"left out: {found} is not built (./dev bench builds it)")
     write(tables)
