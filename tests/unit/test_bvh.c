@@ -188,9 +188,11 @@ static void ends_of_the_ray_are_exact(void **state)
 static void zeros_of_either_sign_are_one_direction(void **state)
 {
     const lcor_bvh_prim wall = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0, 1};
+    lcor_allocator allocator;
     lcor_bvh *bvh = NULL;
 
     (void)state;
+    assert_int_equal(lcor_internal_allocator(NULL, &allocator, NULL), LCOR_OK);
     assert_int_equal(lcor_bvh_new(1, &wall, &allocator, NULL, &bvh, NULL), LCOR_OK);
     for (int i = 0; i < 4; i++) {
         const lcor_ray ray = {
