@@ -179,14 +179,14 @@ int face_set(face *f, const double origin[3], const double u[3], const double v[
         f->dual_u[k] = (vv * u[k] - uv * v[k]) / det;
         f->dual_v[k] = (uu * v[k] - uv * u[k]) / det;
     }
-    vec_copy(u, f->along[0]);
-    vec_copy(v, f->along[1]);
-    for (int i = 0; i < 2; i++) {
-        f->length[i] = vec_normalize(f->along[i]);
-        vec_cross(cross, f->along[i], f->across[i]);
-        (void)vec_normalize(f->across[i]);
-    }
-    f->cosine = vec_dot(f->along[0], f->along[1]);
+    vec_copy(v, f->along);
+    if (triangle)
+        vec_sub(v, u, f->along);
+    f->line = vec_normalize(f->along);
+    vec_cross(cross, f->along, f->across);
+    (void)vec_normalize(f->across);
+    f->u_along = vec_dot(u, f->along);
+    f->u_across = vec_dot(u, f->across);
     return 1;
 }
 

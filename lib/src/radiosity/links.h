@@ -40,11 +40,11 @@ typedef struct links_shadow {
     int dark;
 } links_shadow;
 
-/* E[i] += sum_k k[i][k] B[k] + rest[i] mean(B): floats for the bulk, and what their rounding
- * leaves of the exact form factor in double, so that constants are transferred exactly. */
+/* E[i] += exact[i] mean(B) + sum_k k[k][i] (B[k] - mean(B)): what varies in float, the mean by the
+ * exact form factor in double, so that constants are transferred exactly. */
 typedef struct links_block {
-    float k[RULE_Q][RULE_Q];
-    double rest[RULE_Q]; /* before the row is computed: the exact factor, or -1 if unknown */
+    float k[RULE_Q][RULE_Q]; /* [node of the sender][node of the receiver] */
+    double exact[RULE_Q];
 } links_block;
 
 typedef struct links links;
@@ -63,6 +63,8 @@ struct links {
     lcor_array occluders;                     /* uint32_t */
     lcor_array scratch;                       /* uint32_t, used as a stack while refining */
     lcor_array irradiance, radiosity, source; /* double[RULE_Q * channels] an element */
+    lcor_array deviation;                     /* double[RULE_Q * channels] an element: B - mean */
+    lcor_array mean;                          /* double[channels] an element: mean B */
     lcor_array krylov;
     size_t leaf_count;
     void (*poll)(links *l); /* called now and then: may set hurry or cancelled */

@@ -26,12 +26,15 @@ static const double unseen = 2;
 
 static uint64_t bytes_held(const links *l)
 {
+    const size_t values = RULE_Q * (size_t)l->channels;
+
     return l->faces.capacity * sizeof(face) + l->elements.capacity * sizeof(links_element) +
            l->list.capacity * sizeof(links_link) + l->blocks.capacity * sizeof(links_block) +
            (l->occluders.capacity + l->scratch.capacity) * sizeof(uint32_t) +
-           (l->irradiance.capacity + l->radiosity.capacity + l->source.capacity) * sizeof(double) *
-               RULE_Q * (size_t)l->channels +
-           l->krylov.capacity * sizeof(double);
+           (l->irradiance.capacity + l->radiosity.capacity + l->source.capacity +
+            l->deviation.capacity) *
+               sizeof(double) * values +
+           (l->mean.capacity * (size_t)l->channels + l->krylov.capacity) * sizeof(double);
 }
 
 static double wanted_error(const lcor_solution *s, const links_errors *e)

@@ -80,9 +80,6 @@ static double measure(const links *l, const pair *p, double axis[2])
 {
     const links_element *r = links_at(l, p->receiver), *s = links_at(l, p->sender);
     const face *fr = links_face_of(l, r), *fs = links_face_of(l, s);
-    const transfer t = {
-        l->scene, NULL,        NULL, NULL, (const uint32_t *)l->occluders.items + p->first,
-        p->count, l->accuracy, -1};
     double x[RULE_Q + TESTS][3], value[RULE_Q + TESTS], worst = 0;
 
     for (int k = 0; k < RULE_Q; k++)
@@ -90,7 +87,14 @@ static double measure(const links *l, const pair *p, double axis[2])
                    r->c.t0 + rule_x[k % RULE_P] * r->c.ht, x[k]);
     for (int i = 0; i < TESTS; i++)
         face_point(fr, r->c.s0 + test_s[i] * r->c.hs, r->c.t0 + test_t[i] * r->c.ht, x[RULE_Q + i]);
-    (void)transfer_factors(&t, fr, RULE_Q + TESTS, x, fs, &s->c, value);
+    if (p->count > 0 || !transfer_factors(fr, RULE_Q + TESTS, x, fs, &s->c, value))
+        for (int i = 0; i < RULE_Q + TESTS; i++) {
+            transfer t;
+
+            transfer_aim(&t, l->scene, x[i], fr->normal, fs,
+                         (const uint32_t *)l->occluders.items + p->first, p->count, l->accuracy);
+            value[i] = transfer_factor(&t, &s->c);
+        }
     axis[0] = axis[1] = 0;
     for (int i = 0; i < TESTS; i++) {
         double at_s[RULE_P], at_t[RULE_P], defect;
@@ -206,24 +210,38 @@ static int refine(links *l, pair p, uint32_t block)
     return 1;
 }
 
+/* The list of all that may hide something, blockers or single surfaces, as a pair starts with. */
+static int list_all(links *l, int single, pair *p)
+{
+    size_t count;
+    const uint32_t *in = occluders_of(l->scene, single, &count);
+    uint32_t *out = lcor_array_reserve(&l->allocator, &l->occluders, count, sizeof *out);
+
+    if (!out)
+        return 0;
+    for (size_t i = 0; i < count; i++)
+        out[i] = in ? in[i] : (uint32_t)i;
+    p->first = (uint32_t)l->occluders.count;
+    p->count = (uint32_t)count;
+    l->occluders.count += count;
+    return 1;
+}
+
 static int refine_roots(links *l)
 {
-    const size_t surfaces = l->scene->convex ? 0 : l->scene->surfaces.count;
-    uint32_t *all;
-    pair p;
+    pair start[2] = {{0, 0, 0, 0}, {0, 0, 0, 0}};
 
-    all = lcor_array_reserve(&l->allocator, &l->occluders, surfaces, sizeof *all);
-    if (!all)
-        return 0;
-    for (size_t i = 0; i < surfaces; i++)
-        all[i] = (uint32_t)i;
-    p.first = (uint32_t)l->occluders.count;
-    l->occluders.count += surfaces;
+    for (int single = 0; single < 2 && !l->scene->convex; single++)
+        if (!list_all(l, single, &start[single]))
+            return 0;
     for (size_t r = 0; r < l->faces.count; r++)
         for (size_t s = 0; s < l->faces.count; s++) {
-            p.receiver = (uint32_t)((face *)l->faces.items)[r].root;
-            p.sender = (uint32_t)((face *)l->faces.items)[s].root;
-            p.count = (uint32_t)surfaces;
+            const face *to = (const face *)l->faces.items + r;
+            const face *from = (const face *)l->faces.items + s;
+            pair p = start[to->back || from->back];
+
+            p.receiver = (uint32_t)to->root;
+            p.sender = (uint32_t)from->root;
             if (r != s && !refine(l, p, links_no_block))
                 return 0;
         }

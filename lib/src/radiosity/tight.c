@@ -12,8 +12,6 @@ enum { OCCLUDERS_MAX = 256, CHUNK = 4 };
 typedef struct gatherer {
     const links *l;
     transfer t;
-    uint32_t skip;
-    int crowded; /* too many occluders to clip against: rays decide */
     double *out;
 } gatherer;
 
@@ -23,7 +21,7 @@ static void gather_element(const gatherer *g, size_t index)
     const links *l = g->l;
     const links_element *e = links_at(l, index);
     const face *f = links_face_of(l, e);
-    double weights[RULE_Q];
+    float weights[RULE_Q];
 
     if (!(e->b_max > 0))
         return;
@@ -38,14 +36,12 @@ static void gather_element(const gatherer *g, size_t index)
             return;
         }
     }
-    if (g->crowded && lcor_scene_blocked(l->scene, g->t.x, e->centre, g->skip, NULL))
-        return;
-    (void)transfer_weights(&g->t, f, &e->c, weights);
+    (void)transfer_weights(&g->t, &e->c, -1, weights);
     for (int c = 0; c < l->channels; c++) {
         const double *b = links_values(l, &l->radiosity, index) + c * RULE_Q;
 
         for (int k = 0; k < RULE_Q; k++)
-            g->out[c] += weights[k] * b[k];
+            g->out[c] += (double)weights[k] * b[k];
     }
 }
 
@@ -53,11 +49,16 @@ void links_gather(const links *l, const double x[3], const double normal[3], uin
                   double accuracy, double *out)
 {
     const cell all = {0, 0, 1, 1};
-    const size_t surfaces = l->scene->convex ? 0 : l->scene->surfaces.count;
     uint32_t occluders[OCCLUDERS_MAX];
-    gatherer g = {l, {l->scene, x, normal, NULL, occluders, 0, accuracy, -1}, skip, 0, out};
+    gatherer g;
     region here, there;
+    double above[3];
+    int inside;
 
+    g.l = l;
+    g.out = out;
+    vec_add_scaled(x, 10 * SCENE_TOUCH * l->scene->diameter, normal, above);
+    inside = lcor_scene_in_solid(l->scene, above);
     vec_copy(normal, here.normal);
     for (int i = 0; i < 4; i++)
         vec_copy(x, here.corners[i]);
@@ -65,23 +66,26 @@ void links_gather(const links *l, const double x[3], const double normal[3], uin
         out[c] = 0;
     for (size_t i = 0; i < l->faces.count; i++) {
         const face *f = (const face *)l->faces.items + i;
+        const uint32_t *blockers;
+        size_t candidates;
+        long kept = 0;
         double d[3];
 
         vec_sub(x, f->origin, d);
         if (f->surface == skip || vec_dot(d, f->normal) <= SCENE_TOUCH * l->scene->diameter)
             continue;
-        if (surfaces > 0) {
-            long kept;
-
+        if (!l->scene->convex) {
             face_cell_corners(f, &all, there.corners);
             vec_copy(f->normal, there.normal);
-            kept = occluders_between(l->scene, &here, &there, NULL, surfaces, occluders,
+            blockers = occluders_of(l->scene, inside || f->back, &candidates);
+            kept = occluders_between(l->scene, &here, &there, blockers, candidates, occluders,
                                      OCCLUDERS_MAX);
             if (kept == OCCLUDERS_BLOCK)
                 continue;
-            g.crowded = kept == OCCLUDERS_CROWD;
-            g.t.occluder_count = g.crowded ? 0 : (size_t)kept;
         }
+        transfer_aim(&g.t, l->scene, x, normal, f, occluders, kept > 0 ? (size_t)kept : 0,
+                     accuracy);
+        g.t.sight.crowded |= kept == OCCLUDERS_CROWD;
         gather_element(&g, (size_t)f->root);
     }
 }
