@@ -40,15 +40,23 @@ int visible_start(visible_set *set, size_t n, const double *corners)
     return 1;
 }
 
-/* Cuts a polygon in two by a plane; `out` may be NULL. Returns 0 if one gets too long. */
+enum { CUT_NO_ROOM, CUT_DONE, CUT_NOTHING };
+
+/* Cuts a polygon in two by a plane. Without `out`, a polygon that lies inside is not copied: then
+ * CUT_NOTHING. CUT_NO_ROOM if one gets too long. */
 static int cut(const visible_piece *whole, const double x[3], const double normal[3],
                visible_piece *in, visible_piece *out)
 {
     const double offset = vec_dot(x, normal);
     double height[VISIBLE_CORNERS];
+    int outside = 0;
 
-    for (int i = 0; i < whole->n; i++)
+    for (int i = 0; i < whole->n; i++) {
         height[i] = vec_dot(whole->p[i], normal) - offset;
+        outside |= height[i] < 0;
+    }
+    if (!out && !outside)
+        return CUT_NOTHING;
     in->n = 0;
     in->sign = whole->sign;
     if (out) {
@@ -60,7 +68,7 @@ static int cut(const visible_piece *whole, const double x[3], const double norma
         const double *a = whole->p[i], *b = whole->p[j];
 
         if (in->n + 2 > VISIBLE_CORNERS || (out && out->n + 2 > VISIBLE_CORNERS))
-            return 0;
+            return CUT_NO_ROOM;
         if (height[i] >= 0)
             vec_copy(a, in->p[in->n++]);
         if (height[i] <= 0 && out)
@@ -76,7 +84,7 @@ static int cut(const visible_piece *whole, const double x[3], const double norma
                 vec_copy(c, out->p[out->n++]);
         }
     }
-    return 1;
+    return CUT_DONE;
 }
 
 void visible_clip(visible_set *set, const double x[3], const double normal[3])
@@ -86,8 +94,8 @@ void visible_clip(visible_set *set, const double x[3], const double normal[3])
     for (int i = 0; i < set->count; i++) {
         visible_piece in;
 
-        if (!cut(&set->pieces[i], x, normal, &in, NULL))
-            in = set->pieces[i];
+        if (cut(&set->pieces[i], x, normal, &in, NULL) != CUT_DONE)
+            copy(&set->pieces[i], &in);
         if (in.n >= 3)
             copy(&in, &set->pieces[kept++]);
     }
@@ -285,15 +293,17 @@ int visible_inside(const visible_piece *piece, const visible_cone *cone, visible
 
     for (int e = 0; e < cone->n; e++) {
         visible_piece *to = from == inside ? &other : inside;
+        const int result = cut(from, cone->point[e], cone->inward[e], to, NULL);
 
-        if (!cut(from, cone->point[e], cone->inward[e], to, NULL))
+        if (result == CUT_NO_ROOM)
             return -1;
-        if (to->n < 3)
+        if (result == CUT_DONE && to->n < 3)
             return 0;
-        from = to;
+        if (result == CUT_DONE)
+            from = to;
     }
-    if (from == &other)
-        copy(&other, inside);
+    if (from != inside)
+        copy(from, inside);
     return 1;
 }
 
@@ -315,7 +325,7 @@ int visible_subtract(visible_set *set, const visible_cone *cone)
         for (int e = 0; e < cone->n && rest.n >= 3; e++) {
             visible_piece in, *out = &result.pieces[result.count];
 
-            if (!cut(&rest, cone->point[e], cone->inward[e], &in, out))
+            if (cut(&rest, cone->point[e], cone->inward[e], &in, out) == CUT_NO_ROOM)
                 return 0;
             result.count += out->n >= 3;
             copy(&in, &rest);

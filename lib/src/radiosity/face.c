@@ -279,15 +279,19 @@ static int add_piece(const lcor_allocator *allocator, lcor_array *faces, const s
     return 1;
 }
 
-static double finest_of(const scene_surface *s)
+static double patch_size(const scene_surface *s)
 {
-    const double u = vec_length(s->edge_u), v = vec_length(s->edge_v);
     const double nu = (double)(s->look.patches[0] ? s->look.patches[0] : 1);
     const double nv = (double)(s->look.patches[1] ? s->look.patches[1] : 1);
 
-    /* At a corner of a room irradiance has no limit, so splitting must end somewhere: at leaves of
-     * two to four patches, with a node or two a patch. */
-    return 4 * fmin(fmin(u / nu, v / nv), grid_floor * fmin(u, v));
+    return fmin(vec_length(s->edge_u) / nu, vec_length(s->edge_v) / nv);
+}
+
+/* At a corner of a room irradiance has no limit, so splitting must end somewhere: at leaves of two
+ * to four patches, with a node or two a patch. */
+static double finest_of(const scene_surface *s)
+{
+    return 4 * fmin(patch_size(s), grid_floor * fmin(vec_length(s->edge_u), vec_length(s->edge_v)));
 }
 
 static int build_surface(const lcor_scene *scene, const lcor_allocator *allocator, size_t index,
@@ -309,8 +313,10 @@ static int build_surface(const lcor_scene *scene, const lcor_allocator *allocato
             if (!add_piece(allocator, faces, s, (uint32_t)index, back, &pieces[i], touch))
                 return 0;
     }
-    for (size_t i = start; i < faces->count; i++)
+    for (size_t i = start; i < faces->count; i++) {
         ((face *)faces->items)[i].finest = finest_of(s);
+        ((face *)faces->items)[i].patch = patch_size(s);
+    }
     return 1;
 }
 

@@ -18,6 +18,7 @@ typedef struct face {
     int triangle;
     uint32_t surface;
     int back;      /* 1: the side away from the surface's normal */
+    double patch;  /* shorter edge of the surface's patches */
     double finest; /* elements are not split below this edge length */
     int aligned;   /* a rectangle, below, of its quad's (s, t), same directions */
     double s0, t0, hs, ht;

@@ -33,14 +33,15 @@ static void fill_link(const links *l, const links_link *link)
     for (int i = 0; i < RULE_Q; i++)
         face_point(fr, r->c.s0 + rule_x[i / RULE_P] * r->c.hs,
                    r->c.t0 + rule_x[i % RULE_P] * r->c.ht, x[i]);
-    known = link->occluder_count == 0 && transfer_factors(fr, RULE_Q, x, fs, &s->c, factors);
+    known =
+        link->occluder_count == 0 && transfer_factors(l->scene, fr, RULE_Q, x, fs, &s->c, factors);
     for (int i = 0; i < RULE_Q; i++) {
         float weights[RULE_Q];
         transfer t;
 
         transfer_aim(&t, l->scene, x[i], fr->normal, fs,
                      (const uint32_t *)l->occluders.items + link->first_occluder,
-                     link->occluder_count, l->accuracy);
+                     link->occluder_count, (double)link->accuracy);
         block->exact[i] = transfer_weights(&t, &s->c, known ? factors[i] : -1, weights);
         for (int k = 0; k < RULE_Q; k++)
             block->k[k][i] = weights[k];

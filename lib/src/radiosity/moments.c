@@ -93,7 +93,7 @@ static int is_smooth(const moments *m, const cell *c, int *axis)
     (void)transfer_ellipse(m->light->position, m->f, c, q);
     if (power8(q[0]) * m->accuracy >= 1 && power8(q[1]) * m->accuracy >= 1)
         return 1;
-    *axis = q[0] <= q[1] ? 0 : 1;
+    *axis = q[1] < 0.999 * q[0] ? 1 : 0;
     return 0;
 }
 

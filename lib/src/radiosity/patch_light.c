@@ -26,12 +26,17 @@ typedef struct quad_job {
     double power[3];
 } quad_job;
 
-static void add(const quad_job *j, size_t row, size_t column, double value)
+static void add(const quad_job *j, size_t row, size_t column, size_t n, const double *values)
 {
-    double *out = j->out + ((row - j->row0) * j->nv + column) * (size_t)j->set->channels;
+    const size_t channels = (size_t)j->set->channels;
+    double *out = j->out + ((row - j->row0) * j->nv + column) * channels;
 
-    for (int c = 0; c < j->set->channels; c++)
-        out[c] += value * j->power[c];
+    if (channels == 1)
+        for (size_t k = 0; k < n; k++)
+            out[k] += values[k] * j->power[0];
+    else
+        for (size_t k = 0; k < n * channels; k++)
+            out[k] += values[k / channels] * j->power[k % channels];
 }
 
 /* Average over a patch by quadrature that adapts to the light's distance and clips at shadows. */
@@ -90,7 +95,7 @@ static void clear_row(const quad_job *j, size_t row, size_t first, size_t end, i
         const double value = lcor_direct_unshadowed(j->light, j->whole.origin, j->whole.normal);
 
         for (size_t k = first; k < end; k++)
-            add(j, row, k, value);
+            add(j, row, k, 1, &value);
         return;
     }
     vec_sub(j->light->position, j->whole.origin, from);
@@ -117,8 +122,7 @@ static void clear_row(const quad_job *j, size_t row, size_t first, size_t end, i
 
                     value[k] = share / (r2 * sqrt(r2));
                 }
-                for (size_t k = 0; k < n; k++)
-                    add(j, row, base + k, value[k]);
+                add(j, row, base, n, value);
             }
     }
 }
@@ -147,9 +151,11 @@ static void light_block(const quad_job *j, size_t r0, size_t r1, size_t c0, size
         for (size_t row = r0; row < r1; row++)
             clear_row(j, row, c0, c1, points);
     } else if (r1 - r0 == 1 && c1 - c0 == 1) {
-        add(j, r0, c0,
-            count == OCCLUDERS_CROWD ? sampled_average(j, r0, c0)
-                                     : exact_average(j, r0, c0, occluders, (size_t)count));
+        const double value = count == OCCLUDERS_CROWD
+                                 ? sampled_average(j, r0, c0)
+                                 : exact_average(j, r0, c0, occluders, (size_t)count);
+
+        add(j, r0, c0, 1, &value);
     } else {
         const int rows = r1 - r0 >= c1 - c0;
         const size_t rm = rows ? (r0 + r1) / 2 : r1, cm = rows ? c1 : (c0 + c1) / 2;

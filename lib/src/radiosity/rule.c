@@ -64,27 +64,34 @@ void rule_fold(int axis, int c, const double *half, double *whole)
         }
 }
 
-/* Rows of four, spelled out so that each becomes one vector. */
+/* row += p times other; four sums, spelled out, become one vector. */
+static void add_row(float row[RULE_P], const float p[RULE_P], const float other[RULE_Q])
+{
+    float r0 = row[0], r1 = row[1], r2 = row[2], r3 = row[3];
+
+    for (int g = 0; g < RULE_P; g++) {
+        r0 += p[g] * other[RULE_P * g];
+        r1 += p[g] * other[RULE_P * g + 1];
+        r2 += p[g] * other[RULE_P * g + 2];
+        r3 += p[g] * other[RULE_P * g + 3];
+    }
+    row[0] = r0;
+    row[1] = r1;
+    row[2] = r2;
+    row[3] = r3;
+}
+
 void rule_fold_float(int axis, int c, const float *half, float *whole)
 {
-    for (int a = 0; a < RULE_P; a++) {
-        float w0 = whole[4 * a], w1 = whole[4 * a + 1], w2 = whole[4 * a + 2],
-              w3 = whole[4 * a + 3];
+    for (int a = 0; a < RULE_P; a++)
+        if (axis == 0) {
+            const float p[RULE_P] = {half_float[c][0][a], half_float[c][1][a], half_float[c][2][a],
+                                     half_float[c][3][a]};
 
-        for (int g = 0; g < RULE_P; g++) {
-            const float *row = axis == 0 ? half + 4 * g : half_float[c][g];
-            const float p = axis == 0 ? half_float[c][g][a] : half[4 * a + g];
-
-            w0 += p * row[0];
-            w1 += p * row[1];
-            w2 += p * row[2];
-            w3 += p * row[3];
+            add_row(whole + RULE_P * a, p, half);
+        } else {
+            add_row(whole + RULE_P * a, half + RULE_P * a, half_float[c][0]);
         }
-        whole[4 * a] = w0;
-        whole[4 * a + 1] = w1;
-        whole[4 * a + 2] = w2;
-        whole[4 * a + 3] = w3;
-    }
 }
 
 double rule_interpolate(const double *f, const double at_s[RULE_P], const double at_t[RULE_P])

@@ -78,16 +78,35 @@ double transfer_ellipse(const double x[3], const face *f, const cell *c, double 
     return fmin(p[0].distance2, p[1].distance2);
 }
 
+/* Whether x is so many of the cell's radii from its centre that the rule is accurate anyway. */
+static int is_distant(const transfer *t, const cell *c)
+{
+    const transfer_frame *g = &t->frame;
+    const face *f = t->f;
+    const double s = c->s0 + 0.5 * c->hs, line = f->line * (f->triangle ? c->s0 + c->hs : 1);
+    const double z = c->t0 + 0.5 * c->ht, mid = f->line * (f->triangle ? s : 1);
+    const double along = s * f->u_along + z * mid - g->along;
+    const double across = s * f->u_across - g->across;
+    const double u = f->u_along + (f->triangle ? z * f->line : 0);
+    const double radius = c->hs * sqrt(u * u + f->u_across * f->u_across) + c->ht * line;
+
+    return along * along + across * across + g->height * g->height >
+           0.25 * radius * radius * t->distant;
+}
+
 /* Whether the rule on this cell is as accurate as wanted; else *axis is the one to halve. Its error
  * is the form factor times q^-2p. The pole lies outside the ellipse of parameter Q, half axes A and
  * sqrt(A^2 - 1), if re^2 / A^2 + im^2 / (A^2 - 1) >= 1; with X = Q^2, A^2 = (X + 2 + 1/X) / 4. */
 static int is_far(const transfer *t, const cell *c, int *axis)
 {
     pole p[2];
-    const double area = find_poles(&t->frame, t->f, c, p);
-    const double d2 = fmin(p[0].distance2, p[1].distance2);
-    double bound = area * t->frame.height * inv_pi / (d2 * sqrt(d2) + 1e-300), x, a2, b2, out[2];
+    double area, d2, bound, x, a2, b2, out[2];
 
+    if (is_distant(t, c))
+        return 1;
+    area = find_poles(&t->frame, t->f, c, p);
+    d2 = p[0].distance2 < p[1].distance2 ? p[0].distance2 : p[1].distance2;
+    bound = area * t->frame.height * inv_pi / (d2 * sqrt(d2) + 1e-300);
     bound = bound < 1 ? bound : 1;
     if (bound <= t->accuracy)
         return 1;
@@ -96,41 +115,57 @@ static int is_far(const transfer *t, const cell *c, int *axis)
     b2 = a2 - 1;
     for (int i = 0; i < 2; i++)
         out[i] = p[i].re * p[i].re * b2 + p[i].im2 * a2;
-    if (fmin(out[0], out[1]) >= a2 * b2)
+    if (out[0] >= a2 * b2 && out[1] >= a2 * b2)
         return 1;
-    *axis = out[0] <= out[1] ? 0 : 1;
+    *axis = out[1] < 0.999 * out[0] ? 1 : 0; /* in what is symmetric, not by rounding */
     return 0;
 }
 
 /* Gauss quadrature of a cell that is seen as a whole: the inner loop. Lengths are in units of the
- * cell's size, so that floats suffice whatever the scene's unit. */
+ * cell's size, so that floats suffice whatever the scene's unit. On the line of node a, the point
+ * of node b lies at p[a] + r[a] x_b along it, its squared distance from x but for that is q[a], its
+ * height above x's plane n[a] + m[a] x_b; all of these are linear in s or squares. */
 static void whole(const transfer *t, const cell *c, float weights[RULE_Q])
 {
     static const float at[RULE_P] = {0.0694318442F, 0.3300094782F, 0.6699905218F, 0.9305681558F};
     static const float w[RULE_P] = {0.1739274226F, 0.3260725774F, 0.3260725774F, 0.1739274226F};
     const transfer_frame *g = &t->frame;
     const face *f = t->f;
+    const double tip = f->triangle ? 1 : 0; /* lines shrink towards s = 0 */
     const double size = c->hs * (fabs(f->u_along) + fabs(f->u_across)) + c->ht * f->line;
-    const double unit = 1 / size, height = g->height * unit;
-    const double area = f->jacobian * c->hs * c->ht * unit * unit;
+    const double unit = 1 / size, line = f->line * unit, height = g->height * unit;
+    const double begin = tip != 0 ? c->s0 : 1,
+                 grow = tip * c->hs; /* length of lines: at s0, more */
+    const double p1 = c->hs * (f->u_along * unit + tip * c->t0 * line);
+    const double p0 = (c->s0 * f->u_along - g->along) * unit + begin * c->t0 * line;
+    const double q0 = (c->s0 * f->u_across - g->across) * unit, q1 = c->hs * f->u_across * unit;
+    const double step = c->ht * line,
+                 k = f->jacobian * c->hs * c->ht * unit * unit * height * inv_pi;
+    const float fp0 = (float)p0, fp1 = (float)p1, fq0 = (float)q0, fq1 = (float)q1;
+    const float fr0 = (float)(begin * step), fr1 = (float)(grow * step),
+                h2 = (float)(height * height);
+    const float fn0 = (float)(g->n_along * p0 + g->n_across * q0 - g->n_height * height);
+    const float fn1 = (float)(g->n_along * p1 + g->n_across * q1), na = (float)g->n_along;
+    const float fk0 = (float)(k * begin), fk1 = (float)(k * grow);
+    float p[RULE_P], q[RULE_P], r[RULE_P], n[RULE_P], m[RULE_P], scale[RULE_P];
 
     for (int a = 0; a < RULE_P; a++) {
-        const double s = c->s0 + rule_x[a] * c->hs, shrink = f->triangle ? s : 1;
-        const double step = f->line * shrink * unit;
-        const double from = (s * f->u_along - g->along) * unit + c->t0 * step;
-        const double across = (s * f->u_across - g->across) * unit;
-        const float p = (float)from, r = (float)(step * c->ht);
-        const float q = (float)(across * across + height * height);
-        const float n0 = (float)(g->n_along * from + g->n_across * across - g->n_height * height);
-        const float n1 = (float)(g->n_along * step * c->ht);
-        const float k = (float)(rule_w[a] * area * shrink * height * inv_pi);
+        const float across = fq0 + fq1 * at[a];
 
-        for (int b = 0; b < RULE_P; b++) {
-            const float along = p + r * at[b], r2 = along * along + q, cosine = n0 + n1 * at[b];
-
-            weights[a * RULE_P + b] = k * w[b] * (cosine > 0 ? cosine : 0) / (r2 * r2);
-        }
+        p[a] = fp0 + fp1 * at[a];
+        r[a] = fr0 + fr1 * at[a];
+        q[a] = across * across + h2;
+        n[a] = fn0 + fn1 * at[a];
+        m[a] = na * r[a];
+        scale[a] = (fk0 + fk1 * at[a]) * w[a];
     }
+    for (int a = 0; a < RULE_P; a++)
+        for (int b = 0; b < RULE_P; b++) {
+            const float along = p[a] + r[a] * at[b], r2 = along * along + q[a];
+            const float cosine = n[a] + m[a] * at[b];
+
+            weights[a * RULE_P + b] = scale[a] * w[b] * (cosine > 0 ? cosine : 0) / (r2 * r2);
+        }
 }
 
 /* Adds `sign` times the integral over a triangle inside the cell. */
@@ -235,11 +270,14 @@ void transfer_aim(transfer *t, const lcor_scene *scene, const double x[3], const
                   const face *f, const uint32_t *blockers, size_t count, double accuracy)
 {
     visible_eye eye = {{0, 0, 0}, 0};
+    double q;
 
     t->x = x;
     t->normal = normal;
     t->f = f;
     t->accuracy = accuracy;
+    q = sqrt(sqrt(sqrt(1 / accuracy)));
+    t->distant = (1 + 0.5 * (q - 1 / q)) * (1 + 0.5 * (q - 1 / q));
     set_frame(&t->frame, x, f);
     t->frame.n_along = vec_dot(normal, f->along);
     t->frame.n_across = vec_dot(normal, f->across);
@@ -251,16 +289,19 @@ void transfer_aim(transfer *t, const lcor_scene *scene, const double x[3], const
 /* -1 nothing of the cell is in front of x and facing it, 0 all of it is, 1 some. */
 static int horizon(const transfer *t, double (*corners)[3])
 {
-    int below = 0;
-    double d[3];
+    const double touch = SCENE_TOUCH * t->sight.scene->diameter;
+    int below = 0, above = 0;
+    double d[3], h;
 
     if (t->frame.height <= 0)
         return -1;
     for (int i = 0; i < 4; i++) {
         vec_sub(corners[i], t->x, d);
-        below += vec_dot(d, t->normal) < 0;
+        h = vec_dot(d, t->normal);
+        below |= h < -touch;
+        above |= h > touch;
     }
-    return below == 4 ? -1 : below > 0;
+    return above ? below : -1;
 }
 
 double transfer_weights(const transfer *t, const cell *c, double known, float weights[RULE_Q])
@@ -268,17 +309,21 @@ double transfer_weights(const transfer *t, const cell *c, double known, float we
     const int hidden = t->sight.count > 0 || t->sight.crowded;
     double corners[4][3], exact;
     float sum = 0;
-    int side;
+    int side = t->frame.height > 0 ? 0 : -1;
 
-    face_cell_corners(t->f, c, corners);
-    side = horizon(t, corners);
+    if (known < 0 && side == 0) {
+        face_cell_corners(t->f, c, corners);
+        side = horizon(t, corners);
+    }
     if (side < 0) {
         memset(weights, 0, RULE_Q * sizeof *weights);
         return 0;
     }
     exact = near_cell(t, c, hidden || side, 0, weights);
-    if (!hidden && !side)
-        exact = known >= 0 ? known : lcor_factor_point(t->x, t->normal, 4, corners[0]);
+    if (known >= 0)
+        exact = known;
+    else if (!hidden && !side)
+        exact = lcor_factor_point(t->x, t->normal, 4, corners[0]);
     for (int k = 0; k < RULE_Q; k++)
         sum += weights[k];
     if (sum > 0 && exact < 4 * (double)sum) {
@@ -307,15 +352,16 @@ double transfer_factor(const transfer *t, const cell *c)
     return set_factor(t, &set);
 }
 
-int transfer_factors(const face *r, size_t n, double (*points)[3], const face *f, const cell *c,
-                     double *factors)
+int transfer_factors(const lcor_scene *scene, const face *r, size_t n, double (*points)[3],
+                     const face *f, const cell *c, double *factors)
 {
+    const double touch = SCENE_TOUCH * scene->diameter;
     double corners[4][3], x[3][TRANSFER_POINTS], d[3];
 
     face_cell_corners(f, c, corners);
     for (int i = 0; i < 4; i++) {
         vec_sub(corners[i], r->origin, d);
-        if (vec_dot(d, r->normal) < 0)
+        if (vec_dot(d, r->normal) < -touch)
             return 0;
     }
     for (size_t i = 0; i < n; i++)

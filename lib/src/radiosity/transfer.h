@@ -19,6 +19,7 @@ typedef struct transfer {
     const double *x, *normal;
     const face *f;
     double accuracy; /* of a form factor */
+    double distant;  /* squared distance in radii at which the rule reaches it */
     transfer_frame frame;
     sight sight;
 } transfer;
@@ -28,7 +29,8 @@ void transfer_aim(transfer *t, const lcor_scene *scene, const double x[3], const
                   const face *f, const uint32_t *blockers, size_t count, double accuracy);
 
 /* Irradiance at x = sum of weights[k] * radiosity at node k of the cell. Returns the exact form
- * factor to what is seen of it; `known` is that factor, or less than 0. */
+ * factor to what is seen of it; `known` is that factor, of a cell that nothing hides, or less than
+ * 0. */
 double transfer_weights(const transfer *t, const cell *c, double known, float weights[RULE_Q]);
 
 /* Exact form factor from x to what it sees of the cell. */
@@ -37,8 +39,8 @@ double transfer_factor(const transfer *t, const cell *c);
 /* The same from n points (at most TRANSFER_POINTS) of face r to a cell that nothing hides. Returns
  * 0, and nothing, if the cell crosses the plane of r. */
 enum { TRANSFER_POINTS = 24 };
-int transfer_factors(const face *r, size_t n, double (*points)[3], const face *f, const cell *c,
-                     double *factors);
+int transfer_factors(const lcor_scene *scene, const face *r, size_t n, double (*points)[3],
+                     const face *f, const cell *c, double *factors);
 
 /* The parameter q of the Bernstein ellipse along each axis in which 1/r^2 seen from x is analytic:
  * polynomials of order p on the cell come as close as q^-p, quadrature as q^-2p. Returns the

@@ -121,8 +121,7 @@ static int add_element(links *l, uint32_t face_number, const cell *c)
     return 1;
 }
 
-/* Length of an element along an axis: of its middle line. */
-static double extent(const links *l, const links_element *e, int axis)
+double links_extent(const links *l, const links_element *e, int axis)
 {
     double a[3], b[3];
 
@@ -136,7 +135,8 @@ static double extent(const links *l, const links_element *e, int axis)
 
 int links_may_split(const links *l, const links_element *e, int axis)
 {
-    return extent(l, e, axis) > l->finest * links_face_of(l, e)->finest;
+    /* a little more, so that rounding does not decide for edges that are just as long */
+    return links_extent(l, e, axis) > 1.001 * l->finest * links_face_of(l, e)->finest;
 }
 
 int links_split(links *l, size_t element, int axis)
@@ -182,7 +182,8 @@ size_t links_leaf_at(const links *l, const face *f, double s, double t, double *
             return at;
         }
         at = (size_t)e->child;
-        if (e->axis == 0 ? s >= e->c.s0 + 0.5 * e->c.hs : t >= e->c.t0 + 0.5 * e->c.ht)
+        if ((e->axis == 0 ? s - e->c.s0 - 0.5 * e->c.hs : t - e->c.t0 - 0.5 * e->c.ht) >=
+            -LINKS_ON_EDGE)
             at++;
     }
 }
