@@ -96,12 +96,12 @@ Json correction()
         const char *name;
         lcor_sample type;
         size_t size;
-    } kinds[] = {{"8 bit", LCOR_U8, 1}, {"16 bit", LCOR_U16, 2}, {"float", LCOR_F32, 4}};
+    } depths[] = {{"8 bit", LCOR_U8, 1}, {"16 bit", LCOR_U16, 2}, {"float", LCOR_F32, 4}};
     std::vector<float> light(WIDTH);
     for (size_t x = 0; x < WIDTH; x++)
         light[x] = 0.1F + 2.0F * static_cast<float>(x) / static_cast<float>(WIDTH);
     Json rows = Json::array();
-    for (const auto &kind : kinds) {
+    for (const auto &kind : depths) {
         CorrectionOptions defaults;
         const lcor_colour colour = defaults.colour(kind.type == LCOR_F32);
         Device device;

@@ -21,6 +21,17 @@ namespace cli
 using Json = nlohmann::ordered_json;
 using Arguments = std::vector<std::string>;
 
+constexpr double pi = 3.14159265358979323846;
+
+struct PlanDeleter {
+    void operator()(lcor_plan *plan) const { lcor_plan_free(plan); }
+};
+using PlanPointer = std::unique_ptr<lcor_plan, PlanDeleter>;
+
+struct ProfileDeleter {
+    void operator()(lcor_profile *profile) const { lcor_profile_free(profile); }
+};
+
 /* The program's exit codes; lcor(1) lists them. */
 enum class Exit {
     ok = 0,

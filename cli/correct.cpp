@@ -20,11 +20,6 @@ constexpr size_t band_bytes = size_t(3) << 20;
 /* A doubt about the mean that no device shows. */
 constexpr double mean_doubt = 1e-4;
 
-struct PlanDeleter {
-    void operator()(lcor_plan *plan) const { lcor_plan_free(plan); }
-};
-using PlanPointer = std::unique_ptr<lcor_plan, PlanDeleter>;
-
 struct Job {
     std::string texture, map, output;
     std::optional<double> rho, measured;

@@ -11,9 +11,8 @@ namespace cli
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846;
 /* Doubt about the mean that a further pass removes; 8 bits cannot show it. */
-constexpr double mean_doubt = 1e-5;
+constexpr double view_mean_doubt = 1e-5;
 constexpr int most_passes = 4;
 
 /* Weights of a row's samples: coverage times gaze. */
@@ -64,7 +63,7 @@ double settled_mean(lcor_mean_method method, const std::function<void(lcor_mean 
     auto mean = std::make_unique<lcor_mean>();
     lcor_mean_init(mean.get());
     add(*mean);
-    for (int pass = 1; pass < most_passes && lcor_mean_error(mean.get(), method) > mean_doubt;
+    for (int pass = 1; pass < most_passes && lcor_mean_error(mean.get(), method) > view_mean_doubt;
          pass++) {
         lcor_mean_refine(mean.get(), method);
         add(*mean);

@@ -8,11 +8,6 @@
 namespace cli
 {
 
-struct PlanDeleter {
-    void operator()(lcor_plan *plan) const { lcor_plan_free(plan); }
-};
-using PlanPointer = std::unique_ptr<lcor_plan, PlanDeleter>;
-
 /* A point of the picture that the eye rests on: what lies `degrees` / 2 away from it counts half as
  * much for the adaptation, by a Gaussian of the angle. */
 struct Gaze {

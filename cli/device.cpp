@@ -11,10 +11,6 @@ namespace
 
 enum { TONE_STEPS = 4096, PROFILE_LIMIT = 64 << 20 };
 
-struct ProfileDeleter {
-    void operator()(lcor_profile *profile) const { lcor_profile_free(profile); }
-};
-
 } // namespace
 
 void DeviceOptions::declare(Options &options)

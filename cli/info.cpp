@@ -36,10 +36,6 @@ Kind kind_of(const std::string &path, const std::string &start)
     return binary || anymap || start.compare(0, 2, "#?") == 0 ? Kind::picture : Kind::profile;
 }
 
-struct ProfileDeleter {
-    void operator()(lcor_profile *profile) const { lcor_profile_free(profile); }
-};
-
 Json profile_info(const std::string &path)
 {
     const std::string text = read_file(path, uint64_t(64) << 20);

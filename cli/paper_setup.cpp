@@ -12,7 +12,6 @@ namespace cli
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr size_t pattern_side = 1000;
 constexpr size_t mean_side = 512; /* places a side for the mean of the illuminance */
 

@@ -10,7 +10,6 @@ namespace cli
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846;
 /* A lamp's own colour may be black: its light is shown as if a surface of this reflectance had it.
  */
 constexpr double lamp_reflectance = 0.05;

@@ -14,7 +14,7 @@ namespace
 
 constexpr uint64_t input_limit = uint64_t(1) << 32;
 /* Rows developed before they are written: bounded memory, and work for all threads. */
-constexpr size_t block_rows = 256;
+constexpr size_t write_rows = 256;
 
 } // namespace
 
@@ -103,9 +103,9 @@ lcor_row_stats write_picture(const std::string &path, const Picture &picture,
     lcor_row_stats stats = {};
     Progress progress("picture");
     std::mutex mutex;
-    std::vector<uint8_t> block(std::min(block_rows, picture.height()) * row_bytes);
-    for (size_t y0 = 0; y0 < picture.height(); y0 += block_rows) {
-        const size_t y1 = std::min(y0 + block_rows, picture.height());
+    std::vector<uint8_t> block(std::min(write_rows, picture.height()) * row_bytes);
+    for (size_t y0 = 0; y0 < picture.height(); y0 += write_rows) {
+        const size_t y1 = std::min(y0 + write_rows, picture.height());
         picture.each_band(y0, y1, [&](size_t from, size_t to) {
             lcor_row_stats part = {};
             std::vector<float> rgba(4 * width);

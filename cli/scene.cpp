@@ -10,7 +10,6 @@ namespace cli
 namespace
 {
 
-constexpr double pi = 3.14159265358979323846;
 /* A closed room that loses no light has no answer. */
 constexpr double fullest = 0.98;
 

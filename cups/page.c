@@ -271,7 +271,7 @@ static bool mean_of_pixels(page *p)
     unlink(path); /* gone with this process, however it ends */
     if (!new_plan(p, &p->plan) || !run(p, fill_from_raster, work_measure, empty_to_spool))
         return false;
-    for (size_t i = 1; i < PIPELINE_WORKERS_MAX; i++)
+    for (size_t i = 1; i < pipeline_workers(); i++)
         if (lcor_mean_merge(&p->hands[0].mean, &p->hands[i].mean, NULL) != LCOR_OK)
             return false;
     return take_mean(p, &p->hands[0].mean);
@@ -282,9 +282,9 @@ static bool make_hands(page *p)
     const size_t width = p->format->width;
     for (size_t i = 0; i <= PIPELINE_WORKERS_MAX; i++) {
         hand *h = &p->hands[i];
-        lcor_mean_init(&h->mean);
         if (i >= pipeline_workers() && i < PIPELINE_WORKERS_MAX)
             continue;
+        lcor_mean_init(&h->mean);
         h->light = malloc(width * sizeof *h->light);
         h->r = malloc(width * sizeof *h->r);
         h->spread = p->format->samples == 1 ? malloc(width * 6) : NULL;

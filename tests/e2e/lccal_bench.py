@@ -124,8 +124,6 @@ class Session:
             text=True,
             bufsize=1,
         )
-        self.watchdog = threading.Timer(DEADLINE, self.process.kill)
-        self.watchdog.start()
         self.seen = []
 
     def until(self, name, **fields):
@@ -155,7 +153,6 @@ class Session:
         return self
 
     def __exit__(self, *exception):
-        self.watchdog.cancel()
         self.process.kill()
         self.process.communicate()
 

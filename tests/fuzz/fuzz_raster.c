@@ -52,6 +52,58 @@ static ssize_t write_nowhere(void *context, unsigned char *buffer, size_t size)
     return (ssize_t)size;
 }
 
+#ifdef LCOR_LIBFUZZER
+size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t capacity);
+size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t capacity, unsigned seed);
+
+/* A word of the page header, in the byte order of the stream. */
+static void set_word(uint8_t *data, size_t member, uint32_t word)
+{
+    const bool big = data[1] == 'R'; /* RaS2, RaS3; 2SaR, 3SaR are little-endian */
+    for (size_t i = 0; i < 4; i++)
+        data[5 + member + i] = (uint8_t)(word >> 8 * (big ? 3 - i : i));
+}
+
+static uint32_t get_word(const uint8_t *data, size_t member)
+{
+    uint32_t word = 0;
+    for (size_t i = 0; i < 4; i++)
+        word = word << 8 | data[5 + member + (data[1] == 'R' ? i : 3 - i)];
+    return word;
+}
+
+#define AT(member) offsetof(cups_page_header2_t, member)
+
+/* libFuzzer's mutations; then three headers of four are made to agree with themselves, or hardly
+ * any input would come to its pixels. Lines above 1 MiB are rare: libcups allocates them unseen,
+ * and a sanitizer needs a second to mark the gigabytes that a random word asks for. */
+size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t capacity, unsigned seed)
+{
+    size = LLVMFuzzerMutate(data, size, capacity);
+    if (size < 5 + sizeof(cups_page_header2_t))
+        return size;
+    if (seed % 4 != 0) {
+        static const uint32_t spaces[] = {CUPS_CSPACE_W,  CUPS_CSPACE_RGB,  CUPS_CSPACE_K,
+                                          CUPS_CSPACE_SW, CUPS_CSPACE_SRGB, CUPS_CSPACE_ADOBERGB};
+        const uint32_t space = spaces[seed / 4 % 6], bits = seed / 32 % 2 ? 8 : 16;
+        const uint32_t colours = space == CUPS_CSPACE_RGB || space >= CUPS_CSPACE_SRGB ? 3 : 1;
+        const uint32_t width = get_word(data, AT(cupsWidth)) % (seed / 64 % 16 ? 300 : 262145);
+        set_word(data, AT(cupsWidth), width);
+        set_word(data, AT(cupsBitsPerColor), bits);
+        set_word(data, AT(cupsBitsPerPixel), bits * colours);
+        set_word(data, AT(cupsBytesPerLine), width * colours * bits / 8);
+        set_word(data, AT(cupsColorOrder), seed / 1024 % 2);
+        set_word(data, AT(cupsColorSpace), space);
+        set_word(data, AT(cupsNumColors), colours);
+        if (seed / 2048 % 16)
+            set_word(data, AT(cupsHeight), get_word(data, AT(cupsHeight)) % 600);
+    } else if (get_word(data, AT(cupsBytesPerLine)) > 1u << 20 && seed / 64 % 64) {
+        set_word(data, AT(cupsBytesPerLine), get_word(data, AT(cupsBytesPerLine)) % (1u << 20));
+    }
+    return size;
+}
+#endif
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     if (size == 0)

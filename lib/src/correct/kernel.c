@@ -22,19 +22,13 @@
 #define ISA(name) name##_base
 #define ISA_NAME  "base"
 #define TARGET
-#if defined(__SSE2__) && !defined(__SSE4_1__)
-#define POOR 1
-#else
-#define POOR 0
-#endif
+#define INT_ORDER 1
 #include "correct/kernel_template.h"
 #undef ISA
 #undef ISA_NAME
 #undef TARGET
-#undef POOR
 
 #ifdef LCOR_HAVE_X86
-#define POOR 0
 
 #define ISA(name) name##_avx2
 #define ISA_NAME  "avx2"
@@ -56,7 +50,7 @@
 #undef ISA_NAME
 #undef TARGET
 
-#undef POOR
+#undef INT_ORDER
 #endif
 
 const lcor_kernel *lcor_internal_kernel(size_t index)
