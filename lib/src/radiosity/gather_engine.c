@@ -38,6 +38,11 @@ static void set_looks(gather *g)
 {
     const light_set *lights = &g->solution->lights;
 
+    g->dark = 1;
+    for (size_t i = 0; i < g->scene->lights.count; i++)
+        for (int c = 0; c < g->channels; c++)
+            if (light_channel(lights, scene_light_at(g->scene, i)->intensity, c) > 0)
+                g->dark = 0;
     for (size_t i = 0; i < g->scene->surfaces.count; i++) {
         const lcor_surface *look = &scene_surface_at(g->scene, i)->look;
 
@@ -46,6 +51,8 @@ static void set_looks(gather *g)
                 light_channel(lights, look->reflectance, c);
             g->emission[i * (size_t)g->channels + (size_t)c] =
                 light_channel(lights, look->emission, c);
+            if (light_channel(lights, look->emission, c) > 0)
+                g->dark = 0;
         }
     }
 }

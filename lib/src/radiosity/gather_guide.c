@@ -239,8 +239,8 @@ static int choose_targets(gather *g)
     return 1;
 }
 
-/* Area-weighted mean of the brightness. */
-static double mean_brightness(const survey *items, size_t count, double *squares)
+/* Area-weighted mean of the brightness; what neither reflects nor emits is black. */
+static double mean_brightness(const survey *items, size_t count, double fronts, double *squares)
 {
     double area = 0, sum = 0;
 
@@ -252,7 +252,7 @@ static double mean_brightness(const survey *items, size_t count, double *squares
         sum += a * items[i].mean;
         *squares += a * items[i].mean * items[i].most;
     }
-    return area > 0 ? sum / area : 0;
+    return sum / fmax(area, fronts);
 }
 
 static int build_cells(gather *g, const survey *items, size_t count, double squares)
@@ -302,7 +302,7 @@ int guide_build(gather *g)
     for (size_t i = 0; i < job.count; i++)
         if (job.items[i].most > 0 && !job.items[i].root.back)
             d->lit[job.items[i].prim] = 1;
-    d->mean = mean_brightness(job.items, job.count, &squares);
+    d->mean = mean_brightness(job.items, job.count, job.area, &squares);
     ok = build_cells(g, job.items, job.count, squares);
     lcor_internal_free(g->allocator, job.items);
     return ok;
