@@ -7,7 +7,9 @@ usage: accuracy.py [RESULTS=build/bench-results]
 from __future__ import annotations
 
 import json
+import os
 import platform
+import re
 import sys
 from pathlib import Path
 
@@ -21,8 +23,9 @@ Every number below was measured by
 build/venv/bin/python docs/accuracy.py
 ```
 
-on {machine}. Times are for comparing the lines of one table, which were taken in the same run; on
-another machine they differ. Errors do not.
+on {machine}.
+Times are for comparing the lines of one table, which were taken in the same run; on another machine
+they differ. Errors do not.
 """
 
 
@@ -36,13 +39,13 @@ def machine() -> str:
                 break
     except OSError:
         pass
-    return f"{name}, {platform.system()}"
+    return f"{name}, {os.cpu_count()} processors, {platform.system()}"
 
 
 def text(value: object) -> str:
     if isinstance(value, float):
         return f"{value:.3g}"
-    return f"{value}".replace("*", "\\*")
+    return f"{value}".replace("*", "\\*").replace("|", "\\|")
 
 
 def lines(table: dict) -> list[str]:
@@ -52,31 +55,36 @@ def lines(table: dict) -> list[str]:
     rows = ["| " + " | ".join(text(v) for v in row) + " |" for row in table["rows"]]
     note = [text(table["note"]), ""] if table.get("note") else []
     command = [f"`{table['command']}`"] if table.get("command") else []
-    return [f"## {text(table['title'])}", "", *note, head, rule, *rows, "", *command, ""]
+    title = f"## {text(table['title'])}"
+    return [title, "", *note, *front(table), head, rule, *rows, "", *command, ""]
 
 
-def fronts(tables: list[dict]) -> list[str]:
-    """The figures of the tables that compare programs; returns what to put in the page."""
+#: A table that has one column of each is drawn too: what it costs, and how wrong it is.
+COSTS = ("ns/pixel", "seconds", "ms", "with patches, s")
+ERRORS = ("rms error", "largest dE", "dE max", "true rms", "rms")
+
+
+def front(table: dict) -> list[str]:
+    """The figure of a table that weighs speed against accuracy, if it is one; its markdown."""
     from lcor import plots
 
-    wanted = {
-        "Irradiance of the paper's room beside other programs": ("seconds", "rms error"),
-        "RGB to L*a*b* beside other libraries": ("ns/pixel", "largest dE"),
-    }
-    out = []
-    for number, (title, (cost, error)) in enumerate(wanted.items()):
-        for table in tables:
-            if table["title"] != title:
-                continue
-            x, y = table["columns"].index(cost), table["columns"].index(error)
-            points: dict[str, list[tuple[float, float]]] = {}
-            for row in table["rows"]:
-                points.setdefault(str(row[0]).split(",")[0], []).append((row[x], row[y]))
-            name = f"images/front{number}.png"
-            (HERE / "images").mkdir(exist_ok=True)
-            plots.fronts(points, cost, error, title).savefig(HERE / name, dpi=100)
-            out += [f"![{text(title)}]({name})", ""]
-    return out
+    cost = next((name for name in COSTS if name in table["columns"]), None)
+    error = next((name for name in ERRORS if name in table["columns"]), None)
+    if cost is None or error is None:
+        return []
+    x, y = table["columns"].index(cost), table["columns"].index(error)
+    points: dict[str, list[tuple[float, float]]] = {}
+    for row in table["rows"]:
+        if all(isinstance(row[i], (int, float)) and row[i] > 0 for i in (x, y)):
+            name = row[0].split(",")[0] if isinstance(row[0], str) else "lcor"
+            points.setdefault(name, []).append((row[x], row[y]))
+    if sum(map(len, points.values())) < 2:
+        return []
+    name = "-".join(re.findall(r"[a-z0-9]+", table["title"].lower())[:6])
+    target = HERE / "images" / f"front-{name}.png"
+    target.parent.mkdir(exist_ok=True)
+    plots.fronts(points, cost, error, table["title"]).savefig(target, dpi=90)
+    return [f"![{text(table['title'])}](images/{target.name})", ""]
 
 
 def main() -> int:
@@ -89,7 +97,9 @@ def main() -> int:
     if not tables:
         print(f"accuracy.py: no tables in {folder}: run ./dev bench first", file=sys.stderr)
         return 2
-    page = [HEAD.format(machine=machine()), *fronts(tables)]
+    for old in (HERE / "images").glob("front*.png"):
+        old.unlink()
+    page = [HEAD.format(machine=machine())]
     for table in tables:
         page += lines(table)
     target = HERE / "ACCURACY.md"

@@ -124,6 +124,8 @@ class Session:
             text=True,
             bufsize=1,
         )
+        self.watchdog = threading.Timer(DEADLINE, self.process.kill)
+        self.watchdog.start()
         self.seen = []
 
     def until(self, name, **fields):
@@ -153,6 +155,7 @@ class Session:
         return self
 
     def __exit__(self, *exception):
+        self.watchdog.cancel()
         self.process.kill()
         self.process.communicate()
 

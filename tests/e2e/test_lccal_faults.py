@@ -339,6 +339,7 @@ def test_nobody_answers_the_prompt(profile):
     (("--port", "script:/dev/null", "--instrument", "nonesuch"), "no instrument"),
     (("--port", "script:/dev/null", "--instrument", "line:nonesuch"), "no line preset"),
     (("--port", "script:/dev/null", "--instrument", "line:generic,baud=x"), "does not set up"),
+    (("--port", "script:/dev/null", "--instrument", "line:generic,scale=-1"), "does not set up"),
 ], ids=lambda value: " ".join(value) if isinstance(value, tuple) else "")
 def test_command_line_is_wrong(profile, arguments, words):
     assert_failed(lccal(*arguments, "-o", profile) if arguments != ("--port",)

@@ -2,6 +2,7 @@
 """Every file of examples/ runs as its first lines say."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -9,6 +10,7 @@ import sys
 import lcor
 import numpy as np
 import pytest
+from conftest import check
 
 Image = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
 
@@ -58,9 +60,29 @@ def port(environment):
 def photo(tmp_path):
     y, x = np.mgrid[0:60, 0:80]
     waves = np.stack([np.sin(x / 9), np.cos(y / 7), np.sin((x + y) / 11)], axis=-1)
-    path = tmp_path / "photo.png"
-    Image.fromarray(np.uint8(127 + 100 * waves)).save(path)
+    path = tmp_path / "photo.jpg"
+    Image.fromarray(np.uint8(127 + 100 * waves)).save(path, quality=95)
     return path
+
+
+def blocks(text, language):
+    """The code of a page, one text a block."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+
+
+def test_the_readme_does_what_it_says(source, port, photo, tmp_path, environment):
+    if not shutil.which("lcor", path=environment["PATH"]):
+        pytest.skip("lcor is not built")
+    tour = (source / "README.md").read_text().split("## Five minutes")[1]
+    commands, (script,) = blocks(tour, "sh"), blocks(tour, "python")
+    assert len(commands) == 3 and "/dev/ttyACM0" in commands[0]
+    emulated = "".join(commands).replace("--port /dev/ttyACM0", f"--yes --port {port}")
+    check(["bash", "-euc", emulated], cwd=tmp_path, env=environment)
+    check([sys.executable, "-c", script], cwd=tmp_path, env=environment)
+    for name in re.findall(r"-o (\S+)|=(light\.exr)|save\(\"(.*?)\"", tour):
+        assert (tmp_path / "".join(name)).stat().st_size > 100
+    wallpaper = np.asarray(Image.open(tmp_path / "wallpaper.png"))
+    assert wallpaper.shape == (200, 300, 3) and np.ptp(wallpaper) > 100
 
 
 def test_photograph(run, port, photo, tmp_path):

@@ -184,6 +184,27 @@ static void ends_of_the_ray_are_exact(void **state)
 }
 
 /* Two triangles that share an edge: no ray may slip through. */
+/* A direction is often the negative of a normal, with zeros of either sign. */
+static void zeros_of_either_sign_are_one_direction(void **state)
+{
+    const lcor_bvh_prim wall = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0, 1};
+    lcor_allocator allocator;
+    lcor_bvh *bvh = NULL;
+
+    (void)state;
+    assert_int_equal(lcor_internal_allocator(NULL, &allocator, NULL), LCOR_OK);
+    assert_int_equal(lcor_bvh_new(1, &wall, &allocator, NULL, &bvh, NULL), LCOR_OK);
+    for (int i = 0; i < 4; i++) {
+        const lcor_ray ray = {
+            {0.25, 0.75, 1}, {i & 1 ? -0.0 : 0.0, i & 2 ? -0.0 : 0.0, -1}, 0, 2, LCOR_BVH_NONE};
+        lcor_bvh_hit hit;
+
+        assert_true(lcor_bvh_closest(bvh, &ray, &hit));
+        assert_true(lcor_bvh_occluded(bvh, &ray, NULL));
+    }
+    lcor_bvh_free(bvh);
+}
+
 static void shared_edges_are_closed(void **state)
 {
     const lcor_bvh_prim prims[2] = {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, 0, 0},
@@ -234,6 +255,7 @@ int main(void)
         cmocka_unit_test(scenes_far_from_the_origin_are_no_different),
         cmocka_unit_test(instruction_sets_agree),
         cmocka_unit_test(ends_of_the_ray_are_exact),
+        cmocka_unit_test(zeros_of_either_sign_are_one_direction),
         cmocka_unit_test(shared_edges_are_closed),
         cmocka_unit_test(an_empty_hierarchy_is_never_hit),
     };

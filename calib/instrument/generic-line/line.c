@@ -131,7 +131,7 @@ static bool set_format(line_format *format, const char *name, const char *value)
                      : strcmp(name, "min") == 0 ? &format->lowest
                      : strcmp(name, "max") == 0 ? &format->highest
                                                 : NULL;
-    return number && lccal_parse_number(value, n, number);
+    return number && lccal_parse_number(value, n, number) && format->scale > 0.0;
 }
 
 cal_status line_preset_parse(const char *text, line_preset *out, cal_error *err)

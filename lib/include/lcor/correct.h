@@ -7,7 +7,7 @@
  *
  *  Rows whose samples are all u8, u16 or f32 are computed in float, others in double (as are the
  *  rare plans of docs/MODEL.md, "Two paths"). Output has the same bytes on every processor and
- *  from every compiler. Row calls use at most 9 KB of stack.
+ *  from every compiler. Row calls use at most 12 KB of stack.
  *
  *  | call                                       | may run at the same time as                  |
  *  |--------------------------------------------|----------------------------------------------|

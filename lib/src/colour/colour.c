@@ -16,15 +16,6 @@ static const double BT709[9] = {0.41239079926595934, 0.357584339383878,   0.1804
                                 0.21263900587151027, 0.715168678767756,   0.07219231536073371,
                                 0.01933081871559182, 0.11919477979462598, 0.9505321522496607};
 
-void lcor_internal_mat3_apply(const double m[9], const double in[3], double out[3])
-{
-    const double a = in[0], b = in[1], c = in[2];
-
-    out[0] = m[0] * a + m[1] * b + m[2] * c;
-    out[1] = m[3] * a + m[4] * b + m[5] * c;
-    out[2] = m[6] * a + m[7] * b + m[8] * c;
-}
-
 /* 0 if m has no inverse worth the name: fewer than three good digits would be left */
 static LCOR_COLD int mat3_invert(const double m[9], double inv[9])
 {
@@ -116,25 +107,6 @@ double lcor_transfer_from_linear(const lcor_colour *colour, double linear)
     case LCOR_TRANSFER_GAMMA: stored = lcor_internal_pow(v, 1.0 / colour->gamma); break;
     }
     return linear < 0.0 ? -stored : stored;
-}
-
-double lcor_internal_f(lcor_lightness lightness, double t)
-{
-    if (lightness == LCOR_LIGHTNESS_PAPER || t > 216.0 / 24389.0)
-        return lcor_internal_cbrt(t);
-    return t * (841.0 / 108.0) + 4.0 / 29.0;
-}
-
-double lcor_internal_f_inverse(lcor_lightness lightness, double f)
-{
-    if (lightness == LCOR_LIGHTNESS_PAPER || f > 6.0 / 29.0)
-        return f * f * f;
-    return (f - 4.0 / 29.0) * (108.0 / 841.0);
-}
-
-double lcor_internal_f_inverse_slope(lcor_lightness lightness, double f)
-{
-    return lightness == LCOR_LIGHTNESS_PAPER || f > 6.0 / 29.0 ? 3.0 * f * f : 108.0 / 841.0;
 }
 
 void lcor_xyz_from_rgb(const lcor_colour *colour, const double rgb[3], double xyz[3])

@@ -2,15 +2,43 @@
 #ifndef LCOR_COLOUR_INTERNAL_H
 #define LCOR_COLOUR_INTERNAL_H
 
+#include "base/elementary.h"
+
 #include <lcor/colour.h>
 
-/* f of eqs 2-4 and its inverse, in the kind of lightness asked for. */
-double lcor_internal_f(lcor_lightness lightness, double t);
-double lcor_internal_f_inverse(lcor_lightness lightness, double f);
-/* Derivative of the inverse. */
-double lcor_internal_f_inverse_slope(lcor_lightness lightness, double f);
+/* f of eqs 2-4, in the kind of lightness asked for. */
+static inline double lcor_internal_f(lcor_lightness lightness, double t)
+{
+    if (lightness == LCOR_LIGHTNESS_PAPER)
+        return lcor_internal_cbrt(t);
+    return t > 216.0 / 24389.0 ? lcor_internal_cbrt_normal(t) : t * (841.0 / 108.0) + 4.0 / 29.0;
+}
+
+/* Its inverse, and the first and second derivative of that. */
+static inline double lcor_internal_f_inverse(lcor_lightness lightness, double f)
+{
+    if (lightness == LCOR_LIGHTNESS_PAPER || f > 6.0 / 29.0)
+        return f * f * f;
+    return (f - 4.0 / 29.0) * (108.0 / 841.0);
+}
+
+static inline double lcor_internal_f_inverse_slope(lcor_lightness lightness, double f)
+{
+    return lightness == LCOR_LIGHTNESS_PAPER || f > 6.0 / 29.0 ? 3.0 * f * f : 108.0 / 841.0;
+}
+
+static inline double lcor_internal_f_inverse_bend(lcor_lightness lightness, double f)
+{
+    return lightness == LCOR_LIGHTNESS_PAPER || f > 6.0 / 29.0 ? 6.0 * f : 0.0;
+}
 
 /* out = m in, m row-major 3x3; in may be out. */
-void lcor_internal_mat3_apply(const double m[9], const double in[3], double out[3]);
+static inline void lcor_internal_mat3_apply(const double m[9], const double in[3], double out[3])
+{
+    const double a = in[0], b = in[1], c = in[2];
+
+    for (int i = 0; i < 3; i++)
+        out[i] = m[3 * i] * a + m[3 * i + 1] * b + m[3 * i + 2] * c;
+}
 
 #endif

@@ -22,13 +22,19 @@
 #define ISA(name) name##_base
 #define ISA_NAME  "base"
 #define TARGET
-#define INT_ORDER 1
+#if defined(__SSE2__) && !defined(__SSE4_1__)
+#define POOR 1
+#else
+#define POOR 0
+#endif
 #include "correct/kernel_template.h"
 #undef ISA
 #undef ISA_NAME
 #undef TARGET
+#undef POOR
 
 #ifdef LCOR_HAVE_X86
+#define POOR 0
 
 #define ISA(name) name##_avx2
 #define ISA_NAME  "avx2"
@@ -50,7 +56,7 @@
 #undef ISA_NAME
 #undef TARGET
 
-#undef INT_ORDER
+#undef POOR
 #endif
 
 const lcor_kernel *lcor_internal_kernel(size_t index)

@@ -30,7 +30,7 @@ typedef struct lcor_power {
 
 /* Constants of a plan for the float path. */
 typedef struct lcor_kernel_constants {
-    float m[3][3]; /* linear RGB -> X/X0, Y/Y0, Z/Z0 */
+    float m[3][3]; /* linear RGB, or codes of it, -> X/X0, Y/Y0, Z/Z0 */
     float n[3][2]; /* and back: factors of X/X0 - Y/Y0 and Z/Z0 - Y/Y0, since rows sum to 1 */
     /* Ynew = clamp(v y + w): with the patch's rho v = max(T, 0) / rho and w = 0, with the texel's
      * own y (T linear in y) v = illuminance * slope and w the constant of T */
@@ -46,7 +46,7 @@ typedef struct lcor_kernel_constants {
 
 /* Planes of one block; ends of short ones are padded with black. */
 typedef struct lcor_block {
-    /* RGB, then X Y Z over white and Ynew, then 1 - f of these four, then RGB */
+    /* X Y Z over white and Ynew, then 1 - f of these four, then RGB */
     float LCOR_ALIGNED c[4][LCOR_BLOCK];
     float LCOR_ALIGNED v[LCOR_BLOCK];     /* of Ynew = clamp(v y + w) */
     float LCOR_ALIGNED t[LCOR_BLOCK];     /* T, where it is counted */
@@ -65,26 +65,25 @@ typedef struct lcor_row_job {
     lcor_row_stats *stats;
 } lcor_row_job;
 
-/* The loops of one instruction set; planes are LCOR_BLOCK floats. */
+/* The loops of one instruction set over full blocks. Results of type int are not 0 if a number
+ * read is negative, NaN, infinite or huge: then they have to be looked at one by one. */
 typedef struct lcor_kernel {
     const char *name;
-    /* full blocks of RGB pixels from and to planes */
-    void (*separate)(const float *pixels, lcor_block *b);
-    void (*interleave)(const lcor_block *b, float *pixels);
-    /* u8 or u16 from and to floats; narrow clamps them to 0..1, as do the two above and below */
-    void (*widen)(lcor_sample type, const void *from, size_t planes, float *to);
-    void (*narrow)(lcor_sample type, const float *from, size_t planes, void *to);
-    void (*clamp)(const float *from, float *to);
-    /* T and v from full float maps; rho may be NULL */
-    void (*maps)(const lcor_plan *plan, const float *illuminance, const float *rho, lcor_block *b);
-    int (*any_suspect)(const float *x, size_t planes);
+    /* T and v; rho may be NULL */
+    int (*maps)(const lcor_plan *plan, const float *illuminance, const float *rho, lcor_block *b);
+    /* u8 or u16, three of them a pixel, to floats */
+    void (*widen)(lcor_sample type, const void *from, float *to);
+    int (*transfer)(const lcor_power *p, float *c);
+    int (*lightness)(const lcor_kernel_constants *k, const float *rgb, lcor_block *b);
+    int (*lightness_of_f)(const lcor_kernel_constants *k, const float *f, size_t plane,
+                          lcor_block *b);
     void (*count)(const float *t, lcor_row_stats *stats);
-    void (*transfer)(const lcor_power *p, float *c);
-    void (*lightness)(const lcor_kernel_constants *k, lcor_block *b);
-    void (*lightness_of_f)(const lcor_kernel_constants *k, lcor_block *b);
-    void (*g)(float *c, size_t planes);
+    void (*g)(float *c, size_t planes); /* 1 - f, of eqs 2-4 */
     void (*chroma)(const lcor_kernel_constants *k, lcor_block *b);
     void (*find_outside)(const lcor_block *b, int32_t *outside); /* not 0 for those */
+    /* RGB clamped to 0..1, interleaved; to u8 or u16 */
+    void (*interleave)(lcor_block *b, float *to);
+    void (*narrow)(lcor_sample type, const float *from, void *to);
 } lcor_kernel;
 
 /* Kernels of this build, best first, that the machine can run: index 0, 1...; NULL after the last.
@@ -94,12 +93,17 @@ const lcor_kernel *lcor_internal_kernel(size_t index);
 /* Any row of a plan that has a kernel. */
 void lcor_internal_correct_blocks(const lcor_row_job *job);
 
-/* Shared steps. m is the number of pixels in the block, `at` its first pixel. */
-void lcor_internal_load_strided(const lcor_row_job *job, size_t at, size_t m, lcor_block *b);
-void lcor_internal_load_maps(const lcor_row_job *job, size_t at, size_t m, lcor_block *b);
-size_t lcor_internal_replace_bad(const lcor_row_job *job, size_t at, size_t m, lcor_block *b);
-/* Linear RGB of three planes to what the device takes. */
+/* Blocks between memory and float. m is the number of pixels in the block, `at` its first. */
+int lcor_internal_is_interleaved(lcor_layout l); /* and without gaps */
+/* Texels as the kernels read them, linear unless the plan decodes by a power. */
+void lcor_internal_load_texels(const lcor_row_job *job, size_t at, size_t m, float *copy);
+/* kernel->maps of any plan. */
+int lcor_internal_load_maps(const lcor_row_job *job, size_t at, size_t m, lcor_block *b);
+/* Rule S10 on loaded texels and maps; returns how many pixels were bad and are black now. */
+size_t lcor_internal_replace_bad(const lcor_row_job *job, size_t at, size_t m, float *copy,
+                                 lcor_block *b);
+/* Linear RGB to what the device takes, and out. */
 void lcor_internal_to_device(const lcor_plan *plan, float c[][LCOR_BLOCK]);
-void lcor_internal_store_strided(const lcor_row_job *job, size_t at, size_t m, const lcor_block *b);
+void lcor_internal_store_pixels(const lcor_row_job *job, size_t at, size_t m, lcor_block *b);
 
 #endif

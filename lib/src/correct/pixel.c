@@ -29,54 +29,64 @@ double lcor_internal_chroma_factor(double y, double y_new)
                          lcor_internal_f(LCOR_LIGHTNESS_CIE, y_new));
 }
 
+/* 0..top; 0 for NaN */
+static double clamped(double x, double top) { return x > 0.0 ? (x < top ? x : top) : 0.0; }
+
+static int valid(double x) { return x >= 0.0 && x <= DBL_MAX; }
+
 /* A corrected colour: its f is (fn + s kx, fn, fn + s kz), with s = 1 until rule S9. */
 typedef struct corrected {
     double y, fn, kx, kz;
 } corrected;
 
+/* RGB from X and Z over white. Rows of the matrix sum to 1, so grey stays grey. */
+static double channel(const lcor_plan *p, const corrected *c, int i, double x, double z)
+{
+    return c->y + (p->rgb_from_f[3 * i] * (x - c->y) + p->rgb_from_f[3 * i + 2] * (z - c->y));
+}
+
 static void rgb_at(const lcor_plan *p, const corrected *c, double s, double rgb[3])
 {
-    const double xyz[3] = {lcor_internal_f_inverse(p->colour.lightness, c->fn + s * c->kx), c->y,
-                           lcor_internal_f_inverse(p->colour.lightness, c->fn + s * c->kz)};
+    const double x = lcor_internal_f_inverse(p->colour.lightness, c->fn + s * c->kx);
+    const double z = lcor_internal_f_inverse(p->colour.lightness, c->fn + s * c->kz);
 
-    lcor_internal_mat3_apply(p->rgb_from_f, xyz, rgb);
+    for (int i = 0; i < 3; i++)
+        rgb[i] = channel(p, c, i, x, z);
 }
 
-/* How far RGB is outside 0..1, <= 0 inside, and how fast that grows with s. */
-static double excess_at(const lcor_plan *p, const corrected *c, double s, double *slope)
+/* How far a channel is outside 0..1; RGB a rounding error outside is not worth a change of chroma.
+ */
+static double excess(double v) { return fabs(v - 0.5) - (0.5 + 1e-14); }
+
+/* The channel that is farthest outside. */
+static int worst(const double rgb[3])
 {
-    const double *n = p->rgb_from_f;
-    const double dx = c->kx * lcor_internal_f_inverse_slope(p->colour.lightness, c->fn + s * c->kx);
-    const double dz = c->kz * lcor_internal_f_inverse_slope(p->colour.lightness, c->fn + s * c->kz);
-    double rgb[3], worst = -1.0;
+    const int i = excess(rgb[1]) > excess(rgb[0]) ? 1 : 0;
 
-    rgb_at(p, c, s, rgb);
-    for (int i = 0; i < 3; i++) {
-        const double over = rgb[i] > 0.5 ? rgb[i] - 1.0 : -rgb[i];
-
-        if (over > worst) {
-            const double d = n[3 * i] * dx + n[3 * i + 2] * dz;
-
-            worst = over;
-            *slope = rgb[i] > 0.5 ? d : -d;
-        }
-    }
-    return worst;
+    return excess(rgb[2]) > excess(rgb[i]) ? 2 : i;
 }
 
-/* Rule S9: the largest s in 0..1 that fits, between 0, which is grey and fits, and 1, which does
- * not: Newton's method on the channel that is farthest outside, bisection where that leaves the
- * interval. */
-static double fit_gamut(const lcor_plan *p, const corrected *c)
+/* Where below s, which is outside, channel i comes back to 0 or to 1: Halley's method on what is a
+ * cubic where both f are above the knee, and bisection where that leaves the interval. Grey, s = 0,
+ * is inside. */
+static double enter(const lcor_plan *p, const corrected *c, int i, double bound, double s)
 {
-    double lo = 0.0, hi = 1.0, s = 1.0, step = 1.0;
+    const lcor_lightness lightness = p->colour.lightness;
+    const double n_x = p->rgb_from_f[3 * i], n_z = p->rgb_from_f[3 * i + 2], sign = bound - 0.5;
+    double lo = 0.0, hi = s, step = 1.0;
 
-    for (int i = 0; i < 64 && fabs(step) > 1e-9; i++) { /* the step after it is below 1e-16 */
-        double slope = 0.0;
-        const double over = excess_at(p, c, s, &slope);
-        double next = s - over / slope;
+    for (int k = 0; k < 64 && fabs(step) > 1e-5; k++) { /* the step after it is below 1e-15 */
+        const double fx = c->fn + s * c->kx, fz = c->fn + s * c->kz;
+        const double over = channel(p, c, i, lcor_internal_f_inverse(lightness, fx),
+                                    lcor_internal_f_inverse(lightness, fz)) -
+                            bound;
+        const double slope = n_x * (c->kx * lcor_internal_f_inverse_slope(lightness, fx)) +
+                             n_z * (c->kz * lcor_internal_f_inverse_slope(lightness, fz));
+        const double bend = n_x * (c->kx * c->kx * lcor_internal_f_inverse_bend(lightness, fx)) +
+                            n_z * (c->kz * c->kz * lcor_internal_f_inverse_bend(lightness, fz));
+        double next = s - over * slope / (slope * slope - 0.5 * over * bend);
 
-        if (over > 0.0)
+        if (over * sign > 0.0)
             hi = s;
         else
             lo = s;
@@ -88,13 +98,20 @@ static double fit_gamut(const lcor_plan *p, const corrected *c)
     return s;
 }
 
-/* > 0 if outside 0..1 */
-static double excess(const double rgb[3])
+/* Rule S9: the largest s in 0..1 that fits, face by face of the cube. */
+static void fit_gamut(const lcor_plan *p, const corrected *c, double rgb[3])
 {
-    return fmax(fmax(fmax(rgb[0], rgb[1]), rgb[2]) - 1.0, -fmin(fmin(rgb[0], rgb[1]), rgb[2]));
-}
+    double s = 1.0;
 
-static int valid(double x) { return x >= 0.0 && x <= DBL_MAX; }
+    for (int faces = 0; faces < 6; faces++) {
+        const int i = worst(rgb);
+
+        if (excess(rgb[i]) <= 0.0)
+            return;
+        s = enter(p, c, i, rgb[i] > 0.5 ? 1.0 : 0.0, s);
+        rgb_at(p, c, s, rgb);
+    }
+}
 
 static unsigned bad_pixel(double out[3])
 {
@@ -106,8 +123,6 @@ static unsigned bad_pixel(double out[3])
 static unsigned correct_f(const lcor_plan *p, const double f[3], double y, double illuminance,
                           double rho, double out[3])
 {
-    /* RGB a rounding error outside the cube is not worth a change of chroma */
-    const double slack = 1e-14;
     const double y_real = y * p->rho_ratio; /* section 5.2 */
     const double r = illuminance * (p->reading == LCOR_READING_TEXEL ? y_real : rho); /* 3.1 */
     const double q = p->r_mean > 0.0 ? r / p->r_mean : 0.0;
@@ -116,10 +131,10 @@ static unsigned correct_f(const lcor_plan *p, const double f[3], double y, doubl
     corrected c;
     double k;
 
-    t = fmin(fmax(t, 0.0), DBL_MAX); /* rules S1, S4 */
+    t = clamped(t, DBL_MAX); /* rules S1, S4 */
     if (p->reading == LCOR_READING_PATCH && t > 0.0)
         t *= rho > 0.0 ? y_real / rho : 1.0; /* eq 11; rule S2 */
-    c.y = fmin(t, 1.0);                      /* rule S7 */
+    c.y = clamped(t, 1.0);                   /* rule S7 */
 
     if (c.y == 1.0) { /* white, whatever the rounding of the matrices */
         out[0] = out[1] = out[2] = 1.0;
@@ -132,13 +147,13 @@ static unsigned correct_f(const lcor_plan *p, const double f[3], double y, doubl
     c.kx = k * (f[0] - f[1]); /* eq 14 */
     c.kz = k * (f[2] - f[1]); /* eq 15 */
     rgb_at(p, &c, 1.0, out);
-    if (excess(out) > slack) {
+    if (excess(out[worst(out)]) > 0.0) {
         flags |= LCOR_PIXEL_OUTSIDE;
         if (p->gamut == LCOR_GAMUT_KEEP_HUE)
-            rgb_at(p, &c, fit_gamut(p, &c), out);
+            fit_gamut(p, &c, out);
     }
     for (int i = 0; i < 3; i++)
-        out[i] = fmin(fmax(out[i], 0.0), 1.0);
+        out[i] = clamped(out[i], 1.0);
     return flags;
 }
 
@@ -153,7 +168,7 @@ int lcor_internal_texel_f(const lcor_plan *p, const double rgb[3], double f[3], 
         return 0;
     for (int i = 0; i < 3; i++)
         f[i] = lcor_internal_f(p->colour.lightness, xyz[i]);
-    *y = fmax(xyz[1], 0.0);
+    *y = clamped(xyz[1], DBL_MAX);
     return 1;
 }
 
@@ -172,6 +187,6 @@ unsigned lcor_internal_correct_texel_f(const lcor_plan *p, const double f[3], do
 {
     if (!valid(illuminance) || !valid(rho) || !isfinite(f[0]) || !isfinite(f[1]) || !isfinite(f[2]))
         return bad_pixel(out);
-    return correct_f(p, f, fmax(lcor_internal_f_inverse(p->colour.lightness, f[1]), 0.0),
+    return correct_f(p, f, clamped(lcor_internal_f_inverse(p->colour.lightness, f[1]), DBL_MAX),
                      illuminance, rho, out);
 }

@@ -96,7 +96,8 @@ static LCOR_COLD void digest(lcor_plan *p, const lcor_plan_options *o)
 
 static int is_moderate(double x) { return x == 0.0 || (x > 1e-25 && x < 1e25); }
 
-static LCOR_COLD void set_transfer(const lcor_colour *c, lcor_kernel_constants *k)
+/* Stored values are `unit` times 0..1. */
+static LCOR_COLD void set_transfer(const lcor_colour *c, float unit, lcor_kernel_constants *k)
 {
     const float huge = 18446744073709551616.0f; /* 2^64 */
     const float g = (float)c->gamma, over_g = (float)(1.0 / c->gamma);
@@ -120,6 +121,9 @@ static LCOR_COLD void set_transfer(const lcor_colour *c, lcor_kernel_constants *
         k->decode = (lcor_power){.top = huge, .in_scale = 1.0f, .exponent = g, .scale = 1.0f};
         k->encode = (lcor_power){.top = 1.0f, .in_scale = 1.0f, .exponent = over_g, .scale = 1.0f};
     }
+    k->decode.knee *= unit;
+    k->decode.slope /= unit;
+    k->decode.in_scale /= unit;
 }
 
 /* Constants of the float path; p->kernel stays NULL where that path would lose accuracy. */
@@ -128,6 +132,8 @@ static LCOR_COLD void prepare_kernel(lcor_plan *p)
     lcor_kernel_constants *k = &p->k;
     const double slope = p->r_mean > 0.0 ? p->gain / p->r_mean : 0.0;
     const int steep = p->gain > 16.0; /* float T would be off by 1e-6 and more */
+    const int linear = p->colour.transfer == LCOR_TRANSFER_LINEAR;
+    const double unit = p->in_type == LCOR_U8 ? 255.0 : p->in_type == LCOR_U16 ? 65535.0 : 1.0;
 
     if (p->colour.lightness != LCOR_LIGHTNESS_CIE || p->in_type == LCOR_F64 ||
         p->out_type == LCOR_F64 || p->colour.gamma < 0.1 || p->colour.gamma > 10.0 ||
@@ -137,7 +143,7 @@ static LCOR_COLD void prepare_kernel(lcor_plan *p)
     for (int i = 0; i < 9; i++) {
         if (!(fabs(p->f_from_rgb[i]) < 1e3 && fabs(p->rgb_from_f[i]) < 1e3))
             return;
-        k->m[i / 3][i % 3] = (float)p->f_from_rgb[i];
+        k->m[i / 3][i % 3] = (float)(linear ? p->f_from_rgb[i] / unit : p->f_from_rgb[i]);
     }
     for (int i = 0; i < 3; i++) {
         k->n[i][0] = (float)p->rgb_from_f[3 * i];
@@ -147,8 +153,8 @@ static LCOR_COLD void prepare_kernel(lcor_plan *p)
     k->w = p->reading == LCOR_READING_TEXEL ? k->offset : 0.0f;
     k->ratio = (float)p->rho_ratio;
     k->over_rho = (float)(p->rho_ratio / p->rho);
-    set_transfer(&p->colour, k);
-    p->decode_by_power = p->colour.transfer != LCOR_TRANSFER_LINEAR && p->in_type != LCOR_U8;
+    set_transfer(&p->colour, (float)unit, k);
+    p->decode_by_power = !linear && p->in_type != LCOR_U8;
     p->float_maps = p->map_type == LCOR_F32 && p->exponent == 1.0 && !steep && is_moderate(slope);
     if (p->float_maps) {
         k->slope = (float)slope;

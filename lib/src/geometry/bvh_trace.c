@@ -82,7 +82,7 @@ static int start(walker *w, const lcor_bvh *bvh, const lcor_ray *ray)
         w->ray.o[k] = (float)w->origin[k];
         w->ray.d[k] = (float)d;
         w->ray.inverse[k] = (float)(1 / (fabs(d) > 1e-12 ? d : copysign(1e-12, d)));
-        w->ray.in[k] = 2 * k + (d < 0);
+        w->ray.in[k] = 2 * k + (w->ray.inverse[k] < 0); /* also of -0 */
     }
     slack = fabs(w->t_min) * far_part + far_add;
     w->before = (float)(w->t_min - slack);

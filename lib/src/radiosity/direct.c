@@ -66,6 +66,11 @@ int light_is_open(const lcor_scene *scene, const lcor_light *light)
            lcor_scene_inside(scene, light->position);
 }
 
+int light_in_solid(const lcor_scene *scene, const lcor_light *light)
+{
+    return light->kind != LCOR_LIGHT_DIRECTIONAL && lcor_scene_in_solid(scene, light->position);
+}
+
 void light_at(const light_set *set, const double x[3], const double normal[3], uint32_t skip,
               double *out)
 {

@@ -30,6 +30,9 @@ double light_channel(const light_set *set, const double rgb[3], int c);
 /* Whether nothing can hide the light from surfaces that face it. */
 int light_is_open(const lcor_scene *scene, const lcor_light *light);
 
+/* Whether the light stands inside one of the scene's solids. */
+int light_in_solid(const lcor_scene *scene, const lcor_light *light);
+
 /* Irradiance at x, all lights with their shadows: `channels` values. */
 void light_at(const light_set *set, const double x[3], const double normal[3], uint32_t skip,
               double *out);

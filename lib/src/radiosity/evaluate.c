@@ -20,10 +20,10 @@ static void axis_values(double leaf0, double leaf_size, size_t k, size_t n, lcor
     for (int a = 0; a < RULE_P; a++)
         out[a] = 0;
     if (value == LCOR_VALUE_CENTRE) {
-        const double middle = 0.5 * (low + high);
+        const double middle = 0.5 * (low + high) - leaf0;
 
-        if (middle >= leaf0 && middle < leaf0 + leaf_size)
-            rule_values((middle - leaf0) / leaf_size, out);
+        if (middle >= -LINKS_ON_EDGE && middle < leaf_size - LINKS_ON_EDGE)
+            rule_values(middle / leaf_size, out);
         return;
     }
     for (int g = 0; g < 2 && to > from; g++) { /* two points are exact for cubics */
@@ -79,13 +79,15 @@ static void add_leaf(const grid *g, const face *f, const links_element *e, size_
             for (int c = 0; c < channels; c++) {
                 const double *in = links_values(g->l, &g->l->irradiance, element) + c * RULE_Q;
                 double *out = g->out + ((i - g->row0) * g->nv + base) * (size_t)channels + c;
-                double column[RULE_P] = {0};
+                double column[RULE_P] = {0}, sum[BLOCK];
 
                 for (int k = 0; k < RULE_Q; k++)
                     column[k % RULE_P] += at_s[k / RULE_P] * in[k];
                 for (size_t j = 0; j < n; j++)
-                    out[j * (size_t)channels] += column[0] * at_t[0][j] + column[1] * at_t[1][j] +
-                                                 column[2] * at_t[2][j] + column[3] * at_t[3][j];
+                    sum[j] = column[0] * at_t[0][j] + column[1] * at_t[1][j] +
+                             column[2] * at_t[2][j] + column[3] * at_t[3][j];
+                for (size_t j = 0; j < n; j++)
+                    out[j * (size_t)channels] += sum[j];
             }
         }
     }
@@ -350,6 +352,6 @@ void links_point(const links *l, const double x[3], const double normal[3], doub
             out[c] = 0;
         add_at(l, f, s, t, out);
     } else {
-        links_gather(l, x, normal, LCOR_BVH_NONE, accuracy, out);
+        links_gather(l, x, normal, LCOR_BVH_NONE, accuracy, 10 * l->floor, out);
     }
 }

@@ -179,14 +179,14 @@ int face_set(face *f, const double origin[3], const double u[3], const double v[
         f->dual_u[k] = (vv * u[k] - uv * v[k]) / det;
         f->dual_v[k] = (uu * v[k] - uv * u[k]) / det;
     }
-    vec_copy(u, f->along[0]);
-    vec_copy(v, f->along[1]);
-    for (int i = 0; i < 2; i++) {
-        f->length[i] = vec_normalize(f->along[i]);
-        vec_cross(cross, f->along[i], f->across[i]);
-        (void)vec_normalize(f->across[i]);
-    }
-    f->cosine = vec_dot(f->along[0], f->along[1]);
+    vec_copy(v, f->along);
+    if (triangle)
+        vec_sub(v, u, f->along);
+    f->line = vec_normalize(f->along);
+    vec_cross(cross, f->along, f->across);
+    (void)vec_normalize(f->across);
+    f->u_along = vec_dot(u, f->along);
+    f->u_across = vec_dot(u, f->across);
     return 1;
 }
 
@@ -279,15 +279,19 @@ static int add_piece(const lcor_allocator *allocator, lcor_array *faces, const s
     return 1;
 }
 
-static double finest_of(const scene_surface *s)
+static double patch_size(const scene_surface *s)
 {
-    const double u = vec_length(s->edge_u), v = vec_length(s->edge_v);
     const double nu = (double)(s->look.patches[0] ? s->look.patches[0] : 1);
     const double nv = (double)(s->look.patches[1] ? s->look.patches[1] : 1);
 
-    /* At a corner of a room irradiance has no limit, so splitting must end somewhere: at leaves of
-     * two to four patches, with a node or two a patch. */
-    return 4 * fmin(fmin(u / nu, v / nv), grid_floor * fmin(u, v));
+    return fmin(vec_length(s->edge_u) / nu, vec_length(s->edge_v) / nv);
+}
+
+/* At a corner of a room irradiance has no limit, so splitting must end somewhere: at leaves of two
+ * to four patches, with a node or two a patch. */
+static double finest_of(const scene_surface *s)
+{
+    return 4 * fmin(patch_size(s), grid_floor * fmin(vec_length(s->edge_u), vec_length(s->edge_v)));
 }
 
 static int build_surface(const lcor_scene *scene, const lcor_allocator *allocator, size_t index,
@@ -309,8 +313,10 @@ static int build_surface(const lcor_scene *scene, const lcor_allocator *allocato
             if (!add_piece(allocator, faces, s, (uint32_t)index, back, &pieces[i], touch))
                 return 0;
     }
-    for (size_t i = start; i < faces->count; i++)
+    for (size_t i = start; i < faces->count; i++) {
         ((face *)faces->items)[i].finest = finest_of(s);
+        ((face *)faces->items)[i].patch = patch_size(s);
+    }
     return 1;
 }
 

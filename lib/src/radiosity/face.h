@@ -12,13 +12,13 @@ typedef struct face {
     double origin[3], u[3], v[3], normal[3];
     double dual_u[3], dual_v[3]; /* affine coordinates of x: (x - origin) . dual */
     double jacobian;             /* |u x v| */
-    double length[2];            /* of u and v */
-    double along[2][3];          /* their directions, */
-    double across[2][3];         /* those turned by a right angle within the plane, */
-    double cosine;               /* and the cosine between them */
+    /* Lines of constant s are parallel: their direction, the one across them in the plane, u in
+     * these two, and the length of the line at s = 1. */
+    double along[3], across[3], u_along, u_across, line;
     int triangle;
     uint32_t surface;
     int back;      /* 1: the side away from the surface's normal */
+    double patch;  /* shorter edge of the surface's patches */
     double finest; /* elements are not split below this edge length */
     int aligned;   /* a rectangle, below, of its quad's (s, t), same directions */
     double s0, t0, hs, ht;

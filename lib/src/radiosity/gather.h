@@ -56,6 +56,7 @@ typedef struct gather_leaf {
     size_t first_piece, piece_count;
     double centre[2], half[2], area;
     double ray_length; /* harmonic mean */
+    uint32_t hits;     /* by probing rays */
     int terms;         /* 1, 3 or 6; 0: the leaf was split */
     size_t slot;       /* number among those that were not */
     uint64_t rays;
@@ -76,7 +77,10 @@ typedef struct gather_effort {
     size_t leaves;    /* so many */
     double rays;      /* a leaf, on average */
     double near;      /* rays shorter than so many leaf sizes go on instead of reading the field */
-    double stop;      /* change by the last doubling, relative */
+    double stop;      /* relative error of an answer */
+    int share;        /* that is of usual effort; more where it takes more, less where less: the
+                         least effort for an rms over all */
+    double samples;   /* most of an answer */
 } gather_effort;
 
 typedef struct gather {
@@ -96,6 +100,7 @@ typedef struct gather {
 
     lcor_array nodes, leaves, pieces;
     size_t probed;           /* leaves whose ray length is known */
+    uint64_t probes;         /* rays that looked around */
     lcor_array records;      /* gather_record */
     float *source, *through; /* per record and channel */
     double *field;           /* GATHER_TERMS a leaf and channel */
@@ -123,6 +128,8 @@ static inline gather_plane *gather_plane_at(const gather *g, size_t i)
 
 /* Runs task(arg, 0..n-1) a part at a time, minding progress and limits. Returns 0 if cancelled. */
 int gather_each(gather *g, size_t n, void (*task)(void *arg, size_t i), void *arg);
+/* Rays that max_seconds leave time for, by those traced so far. */
+double gather_rays_left(const gather *g);
 
 uint64_t gather_bytes(const gather *g);
 
@@ -180,10 +187,10 @@ typedef struct gather_sample {
     uint32_t rays;
 } gather_sample;
 
-/* `near` as in gather_effort, random: SOBOL_AXES numbers of 0..1. Axes 2 and
- * 3 are free for the place. `view` may be NULL: not guided. */
+/* Sample `index` of the sequence `seed`, whose axes 2 and 3 are free for the place. `near` as in
+ * gather_effort; `view` may be NULL: not guided. */
 void gather_sample_at(const gather *g, const gather_stand *stand, const guide_view *view,
-                      double near, const double *random, uint32_t seed, gather_sample *out);
+                      double near, uint32_t index, uint32_t seed, gather_sample *out);
 
 /* gather_field.c */
 int gather_solve_field(gather *g);
@@ -205,6 +212,8 @@ typedef struct gather_query {
     const double *patch; /* NULL, or origin and two edges: 9 numbers, and */
     int triangle;        /* whether that is a triangle */
     double near, stop;   /* as in gather_effort */
+    int share_effort;
+    double samples; /* at most */
     uint32_t seed;
     double *const *errors; /* NULL, or two more fields, */
 } gather_query;

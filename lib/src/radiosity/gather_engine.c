@@ -9,20 +9,52 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ROUNDS_MAX = 5, SLICE = 256, SAMPLE = 48, MEAN_PLACES = 512 };
+enum { ROUNDS_MAX = 5, SLICE = 128, SAMPLE = 64, MEAN_PLACES = 256 };
 
 /* Leaves wanted at a tolerance of 1 %. */
 static const double leaves_wanted = 100;
+/* Rays a second, before any have been traced. */
+static const double rate_guess = 3e5;
+/* Samples that an answer may take, and those it may always take. */
+static const double samples_most = 1 << 18, samples_least = 128;
+/* Answers are not pursued further than this, and when a limit is met, than that. */
+static const double stop_least = 5e-4, stop_hurried = 0.01;
+/* Rays of one sample, about: to a target, on to the next surface, and from there. */
+static const double rays_per_sample = 4;
+
+/* A part of the tasks. */
+typedef struct slice {
+    void (*task)(void *arg, size_t i);
+    void *arg;
+    size_t first;
+} slice;
+
+static void slice_task(void *arg, size_t i)
+{
+    const slice *part = arg;
+
+    part->task(part->arg, part->first + i);
+}
 
 int gather_each(gather *g, size_t n, void (*task)(void *arg, size_t i), void *arg)
 {
     lcor_solution *s = g->solution;
 
-    engine_run(s, n, task, arg);
-    (void)SLICE;
-    g->hurry |= engine_over_limit(s, gather_bytes(g));
-    g->cancelled |= engine_progress(s, s->done + 0.02 * (1 - s->done));
+    for (slice part = {task, arg, 0}; part.first < n && !g->cancelled; part.first += SLICE) {
+        engine_run(s, n - part.first < SLICE ? n - part.first : SLICE, slice_task, &part);
+        g->hurry |= engine_over_limit(s, gather_bytes(g));
+        g->cancelled |= engine_progress(s, s->done + 0.01 * (1 - s->done));
+    }
     return !g->cancelled;
+}
+
+double gather_rays_left(const gather *g)
+{
+    const lcor_solution *s = g->solution;
+    const double spent = (double)(clock() - s->start) / CLOCKS_PER_SEC;
+    const double rate = g->rays > 1000 && spent > 0.001 ? (double)g->rays / spent : rate_guess;
+
+    return s->options.max_seconds > 0 ? fmax(s->options.max_seconds - spent, 0) * rate : HUGE_VAL;
 }
 
 uint64_t gather_bytes(const gather *g)
@@ -111,39 +143,53 @@ static void release(lcor_solution *s)
     s->state = NULL;
 }
 
-/* Mean irradiance over all that gets some, from the direct light and the field. */
-static void set_mean(gather *g)
+typedef struct mean_job {
+    const gather *g;
+    double *values;
+} mean_job;
+
+/* Mean irradiance over the fronts of all surfaces, near enough to tell what is dark. */
+static void mean_task(void *arg, size_t i)
 {
-    double sum = 0, count = 0;
+    const mean_job *job = arg;
+    const gather *g = job->g;
+    double random[2], total[GATHER_CHANNELS];
+    gather_query q;
 
-    for (uint32_t i = 0; i < MEAN_PLACES; i++) {
-        double random[2], at[2], direct[GATHER_CHANNELS], here = 0;
-        gather_stand stand;
-        uint32_t side, leaf;
+    memset(&q, 0, sizeof q);
+    sobol_point(&g->sobol, (uint32_t)i, 7, 0, 2, random);
+    (void)gather_place(g, random[0], random[1], &q.stand);
+    light_at(&g->solution->lights, q.stand.x, q.stand.normal, q.stand.surface, total);
+    q.stop = 1;
+    q.samples = samples_least;
+    q.seed = (uint32_t)i;
+    (void)gather_answer(g, &q, total, NULL);
+    job->values[i] = 0;
+    for (int c = 0; c < g->channels; c++)
+        job->values[i] += total[c] / g->channels;
+}
 
-        sobol_point(&g->sobol, i, 7, 2, random);
-        (void)gather_place(g, random[0], random[1], &stand);
-        light_at(&g->solution->lights, stand.x, stand.normal, stand.surface, direct);
-        side = gather_side_of(g, stand.surface, 0);
-        gather_to_plane(gather_plane_at(g, side / 2), stand.x, at);
-        leaf = gather_leaf_of(g, side, at);
-        for (int c = 0; c < g->channels; c++)
-            here += direct[c] / g->channels +
-                    (leaf == gather_none ? 0 : gather_field_at(g, leaf, at, c) / g->channels);
-        sum += fmax(here, 0);
-        count += here > 0;
-    }
-    if (count > 0)
-        g->mean = sum / count;
+static int set_mean(gather *g)
+{
+    double values[MEAN_PLACES], sum = 0;
+    mean_job job = {g, values};
+
+    if (!gather_each(g, MEAN_PLACES, mean_task, &job))
+        return 0;
+    for (int i = 0; i < MEAN_PLACES; i++)
+        sum += values[i] / MEAN_PLACES;
+    g->mean = sum;
+    return 1;
 }
 
 static void set_effort(gather *g, double tolerance)
 {
+    g->effort.share = g->solution->options.norm == LCOR_NORM_RMS;
     g->effort.leaf_size = tolerance >= 0.008 ? 2 : 1.5;
     g->effort.rays = fmin(fmax(64 * pow(0.01 / tolerance, 1.0), 16), 1024);
     g->effort.near = 0.5;
     g->effort.leaves = (size_t)(leaves_wanted * 0.01 / tolerance);
-    g->effort.stop = tolerance;
+    g->effort.stop = fmax(tolerance, stop_least);
 }
 
 static double wanted_error(const lcor_solution *s, const gather_errors *e)
@@ -169,7 +215,7 @@ static void describe(lcor_solution *s)
 static void strive(gather *g, const gather_errors *e, double tolerance)
 {
     if (e->noise > 0.6 * tolerance)
-        g->effort.stop *= fmax(0.3, 0.5 * tolerance / e->noise);
+        g->effort.stop = fmax(stop_least, g->effort.stop * fmax(0.3, 0.5 * tolerance / e->noise));
     if (e->field > 0.5 * tolerance) {
         g->effort.rays *= 2;
         g->effort.near *= 1.5;
@@ -191,8 +237,13 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
 
         if (!gather_grow(g) || !gather_solve_field(g))
             goto stopped;
-        set_mean(g);
-        if (!gather_estimate(g, SAMPLE, &errors))
+        /* Half of the time left for the places of the estimate, each answered twice. */
+        g->effort.samples =
+            fmin(fmax(0.5 * gather_rays_left(g) / (2 * SAMPLE * rays_per_sample), samples_least),
+                 samples_most);
+        if (g->hurry)
+            g->effort.stop = fmax(g->effort.stop, stop_hurried);
+        if (!set_mean(g) || !gather_estimate(g, SAMPLE, &errors))
             goto stopped;
         s->report.error_rms = errors.rms;
         s->report.error_max = errors.max;

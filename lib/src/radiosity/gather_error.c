@@ -105,7 +105,7 @@ static void verify_task(void *arg, size_t i)
     gather_query q;
 
     memset(v, 0, sizeof *v);
-    sobol_point(&g->sobol, (uint32_t)i, 99, 2, random);
+    sobol_point(&g->sobol, (uint32_t)i, 99, 0, 2, random);
     (void)gather_place(g, random[0], random[1], &stand);
     gather_query_point(g, stand.x, stand.normal, &q);
     light_at(&g->solution->lights, stand.x, stand.normal, stand.surface, direct);

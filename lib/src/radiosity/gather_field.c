@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { ITERATIONS_MAX = 60 };
+enum { ITERATIONS_MAX = 60, RAYS_PER_TERM = 4 };
 
 /* Half sizes, in mean ray lengths, below which a leaf's polynomial is constant or linear. */
 static const double constant_below = 0.05, linear_below = 0.4;
@@ -17,6 +17,8 @@ static const double constant_below = 0.05, linear_below = 0.4;
 static const double ridge = 0.004;
 /* Least and most rays of a leaf, of the average. */
 static const double rays_least = 0.25, rays_most = 4;
+/* Least average whatever the limits. */
+static const double rays_fewest = 8;
 /* The solver's part of the tolerance. */
 static const double solver_share = 0.02;
 
@@ -73,14 +75,30 @@ double gather_sample_value(const gather *g, const gather_sample *sample, const d
 static int degree_terms(const gather_leaf *l)
 {
     const double size = fmax(l->half[0], l->half[1]) / l->ray_length;
+    const size_t most = l->record_count / RAYS_PER_TERM;
 
-    return size < constant_below ? 1 : size < linear_below ? 3 : GATHER_TERMS;
+    if (size < constant_below || most < 3)
+        return 1;
+    return size < linear_below || most < GATHER_TERMS ? 3 : GATHER_TERMS;
+}
+
+/* Rays of a leaf that time and memory allow. */
+static double rays_allowed(const gather *g, size_t leaves)
+{
+    const uint64_t most = g->solution->options.max_bytes;
+    const double record = sizeof(gather_record) + 2 * (double)g->channels * sizeof(float);
+    double rays = fmin(g->effort.rays, 0.25 * gather_rays_left(g) / (double)leaves);
+
+    if (most > 0)
+        rays =
+            fmin(rays, fmax((double)most - (double)gather_bytes(g), 0) / (record * (double)leaves));
+    return fmax(rays, rays_fewest);
 }
 
 /* Numbers the leaves and gives each its records. */
 static int plan_records(gather *g)
 {
-    double area = 0;
+    double area = 0, rays;
     size_t count = 0, leaves = 0;
 
     for (size_t i = 0; i < g->leaves.count; i++) {
@@ -91,19 +109,20 @@ static int plan_records(gather *g)
         l->slot = leaves++;
         area += sqrt(l->area);
     }
+    lcor_array_clear(g->allocator, &g->records);
+    rays = rays_allowed(g, leaves + 1);
     for (size_t i = 0; i < g->leaves.count; i++) {
         gather_leaf *l = gather_leaf_at(g, i);
         const double share = area > 0 ? sqrt(l->area) * (double)leaves / area : 1;
 
         if (l->terms == 0)
             continue;
-        l->terms = degree_terms(l);
         l->first_record = count;
-        l->record_count = (size_t)(g->effort.rays * fmin(fmax(share, rays_least), rays_most));
+        l->record_count = (size_t)(rays * fmin(fmax(share, rays_least), rays_most));
+        l->terms = degree_terms(l);
         count += l->record_count;
     }
     g->slots = leaves;
-    lcor_array_clear(g->allocator, &g->records);
     lcor_internal_free(g->allocator, g->source);
     lcor_internal_free(g->allocator, g->through);
     lcor_internal_free(g->allocator, g->field);
@@ -176,12 +195,12 @@ void gather_leaf_sample(const gather *g, size_t leaf, const guide_view *view, ui
                         uint32_t sequence, double at[2], gather_sample *out)
 {
     const uint32_t seed = random_hash(4 * (uint32_t)leaf + sequence);
-    double random[SOBOL_AXES];
+    double place[2];
     gather_stand stand;
 
-    sobol_point(&g->sobol, index, seed, SOBOL_AXES, random);
-    gather_leaf_stand(g, gather_leaf_at(g, leaf), random[2], random[3], at, &stand);
-    gather_sample_at(g, &stand, view, 0, random, random_hash(seed + index), out);
+    sobol_point(&g->sobol, index, seed, 2, 2, place);
+    gather_leaf_stand(g, gather_leaf_at(g, leaf), place[0], place[1], at, &stand);
+    gather_sample_at(g, &stand, view, 0, index, seed, out);
 }
 
 static void record_task(void *arg, size_t i)

@@ -204,6 +204,13 @@ static int compare_ranks(const void *a, const void *b)
     return p->cell < q->cell ? -1 : p->cell > q->cell;
 }
 
+static int compare_cells(const void *a, const void *b)
+{
+    const rank *p = a, *q = b;
+
+    return p->cell < q->cell ? -1 : p->cell > q->cell;
+}
+
 /* The brightest cells become targets: those that a cosine-weighted ray would find too seldom. */
 static int choose_targets(gather *g)
 {
@@ -222,6 +229,7 @@ static int choose_targets(gather *g)
     }
     qsort(ranks, count, sizeof *ranks, compare_ranks);
     d->count = count < GUIDE_TARGETS ? (int)count : GUIDE_TARGETS;
+    qsort(ranks, (size_t)d->count, sizeof *ranks, compare_cells); /* neighbours side by side */
     for (int i = 0; i < d->count; i++) {
         guide_cell *c = cell_at(d, ranks[i].cell);
         const guide_root *r = root_at(d, c->root);
@@ -385,6 +393,23 @@ void guide_choose(const gather *g, const guide_view *view, double a, double b, g
     out->density = share / d->targets[low].area;
     out->surface = r->surface;
     out->back = r->back;
+    out->target = low;
+}
+
+void guide_learn(const gather *g, guide_view *view, const int tries[GUIDE_TARGETS],
+                 const int seen[GUIDE_TARGETS])
+{
+    double sum = 0, next = view->sum[0];
+
+    for (int i = 0; i < g->guide.count; i++) {
+        const double share = view->sum[i + 1] - next;
+
+        next = view->sum[i + 1];
+        view->sum[i] = sum;
+        sum += share * (seen[i] + 0.5) / (tries[i] + 0.5);
+    }
+    for (int i = 0; i < g->guide.count; i++)
+        view->sum[i] /= sum;
 }
 
 double guide_density(const gather *g, const guide_view *view, uint32_t prim, int back,

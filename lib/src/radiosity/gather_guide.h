@@ -61,11 +61,15 @@ typedef struct guide_place {
     double x[3], normal[3];
     double density; /* per area */
     uint32_t surface;
-    int back;
+    int back, target;
 } guide_place;
 
 void guide_choose(const struct gather *g, const guide_view *view, double a, double b,
                   guide_place *out);
+
+/* Makes targets less likely that `seen` of `tries` found hidden. */
+void guide_learn(const struct gather *g, guide_view *view, const int tries[GUIDE_TARGETS],
+                 const int seen[GUIDE_TARGETS]);
 
 /* Density per area with which guide_choose comes upon a place of a primitive. */
 double guide_density(const struct gather *g, const guide_view *view, uint32_t prim, int back,

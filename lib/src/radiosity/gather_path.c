@@ -166,12 +166,23 @@ static int survives(path *p)
     return 1;
 }
 
-void gather_sample_at(const gather *g, const gather_stand *stand, const guide_view *view,
-                      double near, const double *random, uint32_t seed, gather_sample *out)
+/* Two numbers of 0..1: of the sequence for the first two rays, of chance for others. */
+static void next_pair(path *p, int depth, uint32_t index, uint32_t seed, double random[2])
 {
-    path p = {g, near, seed, out};
+    if (depth < 2) {
+        sobol_point(&p->g->sobol, index, seed, 4 * depth, 2, random);
+        return;
+    }
+    random[0] = random_next(&p->random);
+    random[1] = random_next(&p->random);
+}
+
+void gather_sample_at(const gather *g, const gather_stand *stand, const guide_view *view,
+                      double near, uint32_t index, uint32_t seed, gather_sample *out)
+{
+    path p = {g, near, random_hash(seed + index), out};
     gather_stand from = *stand;
-    double a = random[4], b = random[5], direction[3];
+    double random[2], direction[3];
     guide_view own;
 
     memset(out, 0, sizeof *out);
@@ -179,12 +190,16 @@ void gather_sample_at(const gather *g, const gather_stand *stand, const guide_vi
     out->leaf = gather_none;
     for (int c = 0; c < g->channels; c++)
         out->through[c] = 1;
-    random_cosine(random[0], random[1], direction);
     for (int depth = 0;; depth++) {
         gather_spot spot;
 
-        if (view)
-            add_guided(&p, &from, view, a, b);
+        /* Directions and targets are integrals of their own, each by the best two axes. */
+        if (view) {
+            next_pair(&p, depth, index, random_hash(seed + 1), random);
+            add_guided(&p, &from, view, random[0], random[1]);
+        }
+        next_pair(&p, depth, index, seed, random);
+        random_cosine(random[0], random[1], direction);
         out->rays++;
         if (!gather_trace(g, &from, direction, &spot))
             break;
@@ -197,9 +212,6 @@ void gather_sample_at(const gather *g, const gather_stand *stand, const guide_vi
             break;
         from = spot.stand;
         view = guide_look(g, from.x, from.normal, g->mean, &own) ? &own : NULL;
-        random_cosine(random_next(&p.random), random_next(&p.random), direction);
-        a = random_next(&p.random);
-        b = random_next(&p.random);
     }
     if (out->leaf == gather_none)
         memset(out->through, 0, sizeof out->through);

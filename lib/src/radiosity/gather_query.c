@@ -7,10 +7,12 @@
 #include <math.h>
 #include <string.h>
 
-enum { RAYS_FIRST = 32, RAYS_MOST = 16384 };
+enum { RAYS_FIRST = 16, DOUBLINGS_MAX = 16, DOUBLINGS_USED = 3, RAYS_USUAL = 256, PILOTS = 32 };
 
 /* Errors are relative to the irradiance, or to this part of the scene's mean where it is dark. */
 static const double dark_share = 0.02;
+/* Light that no ray has met yet, through a slit say: as if the next one met so much of the mean. */
+static const double unmet_share = 0.5;
 /* A point this near to a surface, as part of the diameter, lies on it. */
 static const double reach_share = 1e-6;
 
@@ -36,6 +38,8 @@ void gather_query_point(const gather *g, const double x[3], const double normal[
     memset(q, 0, sizeof *q);
     q->near = g->effort.near;
     q->stop = g->effort.stop;
+    q->share_effort = g->effort.share;
+    q->samples = g->effort.samples;
     set_frame(&above, normal);
     above.surface = LCOR_BVH_NONE;
     vec_add_scaled(x, reach, normal, above.x);
@@ -80,18 +84,17 @@ typedef struct sums {
 static void add_sample(const gather *g, const gather_query *q, const guide_view *view,
                        uint32_t index, sums *s)
 {
-    double random[SOBOL_AXES];
     gather_stand stand = q->stand;
     gather_sample sample;
 
-    sobol_point(&g->sobol, index, q->seed, SOBOL_AXES, random);
     if (q->patch) {
-        double st[2];
+        double place[2], st[2];
 
-        gather_square_to_edges(q->triangle, random + 2, st);
+        sobol_point(&g->sobol, index, q->seed, 2, 2, place);
+        gather_square_to_edges(q->triangle, place, st);
         vec_plane_point(q->patch, q->patch + 3, q->patch + 6, st[0], st[1], stand.x);
     }
-    gather_sample_at(g, &stand, view, q->near, random, random_hash(q->seed + index * 31u), &sample);
+    gather_sample_at(g, &stand, view, q->near, index, q->seed, &sample);
     for (int c = 0; c < g->channels; c++) {
         s->value[c] += gather_sample_value(g, &sample, g->field, c);
         for (int h = 0; h < 2 && q->errors; h++)
@@ -102,40 +105,85 @@ static void add_sample(const gather *g, const gather_query *q, const guide_view 
 }
 
 double QN, QR, QC;
+/* The squared standard error of a mean over twice as many samples as the last but one, channels
+ * summed. The change by a doubling has the variance of the mean itself where samples are
+ * independent, that of the doubling before has twice as much; one alone is small by chance too
+ * often. Low-discrepancy samples do better than that. */
+static double error_squared(const gather *g, double means[][GATHER_CHANNELS], int count)
+{
+    const int used = count - 1 < DOUBLINGS_USED ? count - 1 : DOUBLINGS_USED;
+    double sum = 0;
+
+    for (int k = 0; k < used; k++) {
+        const double *to = means[count - 1 - k], *from = means[count - 2 - k];
+        double change = 0;
+
+        for (int c = 0; c < g->channels; c++)
+            change += fabs(to[c] - from[c]);
+        sum += change * change / (1 << k) / used;
+    }
+    return sum;
+}
+
+/* Tries which targets can be seen; where none can, guiding is a waste. */
+static int look_out(const gather *g, const gather_query *q, guide_view *view, sums *s)
+{
+    int tries[GUIDE_TARGETS] = {0}, seen[GUIDE_TARGETS] = {0}, any = 0;
+
+    for (uint32_t i = 0; i < PILOTS; i++) {
+        double random[2];
+        guide_place target;
+
+        sobol_point(&g->sobol, i, q->seed + 3, 0, 2, random);
+        guide_choose(g, view, random[0], random[1], &target);
+        tries[target.target]++;
+        if (!lcor_scene_blocked(g->scene, q->stand.x, target.x, q->stand.surface, NULL)) {
+            seen[target.target]++;
+            any = 1;
+        }
+    }
+    s->rays += PILOTS;
+    if (any)
+        guide_learn(g, view, tries, seen);
+    return any;
+}
+
 uint64_t gather_answer(const gather *g, const gather_query *q, double *total, double bias[2])
 {
-    double last[GATHER_CHANNELS] = {0};
+    double means[DOUBLINGS_MAX][GATHER_CHANNELS];
     const guide_view *guided = NULL;
     guide_view view;
     sums s = {{0}, {0}, 0};
-    size_t count = 0;
+    uint32_t count = 0;
+    int steps = 0;
 
     if (g->dark)
         return 0;
-    if (guide_look(g, q->stand.x, q->stand.normal, expected_at(g, &q->stand, total), &view))
+    if (guide_look(g, q->stand.x, q->stand.normal, expected_at(g, &q->stand, total), &view) &&
+        look_out(g, q, &view, &s))
         guided = &view;
-    for (size_t end = RAYS_FIRST; end <= RAYS_MOST; end *= 2) {
-        double change = 0, scale = 0;
+    while (steps == 0 || (steps < DOUBLINGS_MAX && 2 * count <= q->samples)) {
+        double scale = 0, allowed, unmet;
 
-        for (; count < end; count++)
-            add_sample(g, q, guided, (uint32_t)count, &s);
+        for (const uint32_t end = (uint32_t)RAYS_FIRST << steps; count < end; count++)
+            add_sample(g, q, guided, count, &s);
         for (int c = 0; c < g->channels; c++) {
-            const double value = s.value[c] / (double)count;
-
-            change += fabs(value - last[c]);
-            scale += total[c] + value;
-            last[c] = value;
+            means[steps][c] = s.value[c] / (double)count;
+            scale += total[c] + means[steps][c];
         }
-        if (end > RAYS_FIRST && change <= q->stop * fmax(scale, dark_share * g->mean * g->channels))
+        steps++;
+        allowed = q->stop * fmax(scale, dark_share * g->mean * g->channels);
+        if (q->share_effort)
+            allowed *= sqrt((double)count / RAYS_USUAL);
+        unmet = unmet_share * g->mean * g->channels / (double)count;
+        if (steps > DOUBLINGS_USED &&
+            error_squared(g, means, steps) + unmet * unmet <= allowed * allowed)
             break;
     }
     for (int c = 0; c < g->channels; c++)
-        total[c] += fmax(last[c], 0);
+        total[c] += fmax(means[steps - 1][c], 0);
     for (int h = 0; h < 2 && bias; h++)
         bias[h] = s.bias[h] / (double)count;
-    QN++;
-    QR += (double)s.rays;
-    QC += (double)count;
     return s.rays;
 }
 
@@ -164,6 +212,8 @@ void gather_patch(const gather *g, size_t surface, lcor_value value, size_t inde
     q.triangle = p.corner_count == 3;
     q.near = g->effort.near;
     q.stop = g->effort.stop;
+    q.share_effort = g->effort.share;
+    q.samples = g->effort.samples;
     q.seed = random_hash(gather_side_of(g, (uint32_t)surface, 0));
     (void)gather_answer(g, &q, total, NULL);
 }

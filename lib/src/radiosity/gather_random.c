@@ -51,15 +51,16 @@ static uint32_t scramble(uint32_t x, uint32_t seed)
     return reverse_bits(x);
 }
 
-void sobol_point(const sobol *s, uint32_t index, uint32_t seed, int count, double *out)
+void sobol_point(const sobol *s, uint32_t index, uint32_t seed, int first, int count, double *out)
 {
-    for (int axis = 0; axis < count; axis++) {
+    for (int i = 0; i < count; i++) {
+        const uint32_t *bits = s->bits[first + i];
         uint32_t x = 0;
 
         for (uint32_t rest = index, bit = 0; rest; rest >>= 1, bit++)
-            x ^= s->bits[axis][bit] & (0u - (rest & 1u));
-        x = scramble(x, random_hash(seed * SOBOL_AXES + (uint32_t)axis));
-        out[axis] = (x + 0.5) / 4294967296.0;
+            x ^= bits[bit] & (0u - (rest & 1u));
+        x = scramble(x, random_hash(seed * SOBOL_AXES + (uint32_t)(first + i)));
+        out[i] = (x + 0.5) / 4294967296.0;
     }
 }
 

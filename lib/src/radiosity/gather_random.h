@@ -14,8 +14,8 @@ typedef struct sobol {
 
 void sobol_init(sobol *s);
 
-/* Point `index` of the sequence `seed`: numbers of 0..1 for axes 0..count-1. */
-void sobol_point(const sobol *s, uint32_t index, uint32_t seed, int count, double *out);
+/* Point `index` of the sequence `seed`: numbers of 0..1 for axes first..first+count-1. */
+void sobol_point(const sobol *s, uint32_t index, uint32_t seed, int first, int count, double *out);
 
 /* A hash that changes about half the bits for every bit changed. */
 static inline uint32_t random_hash(uint32_t x)

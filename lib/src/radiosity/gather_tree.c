@@ -14,6 +14,8 @@ enum { PROBES = 16, SCOUTS = 8192, HITS_LEAST = 4, CORNERS_MAX = 5 };
 /* A side that a smaller part of all probing rays meets gets no field: paths through it are
  * cheaper. */
 static const double share_least = 1.0 / 8000;
+/* Nor is a leaf split that they meet less often. */
+static const double share_split = 1.0 / 4000;
 /* Leaves are not split below this part of the scene's diameter. */
 static const double finest = 1e-3;
 static const double leaf_size_least = 0.1;
@@ -172,6 +174,7 @@ static int split(gather *g, uint32_t leaf)
     const int axis = l->half[1] > l->half[0];
     const double at = l->centre[axis];
     const size_t node = (size_t)l->node;
+    const uint32_t hits = l->hits;
     uint32_t part[2];
     int32_t child[2];
 
@@ -181,6 +184,9 @@ static int split(gather *g, uint32_t leaf)
         return 1;
     for (int i = 0; i < 2; i++) /* an empty half's places belong to the other */
         child[i] = gather_leaf_at(g, part[part[i] == gather_none ? 1 - i : i])->node;
+    for (int i = 0; i < 2; i++)
+        if (part[i] != gather_none)
+            gather_leaf_at(g, part[i])->hits = hits / 2;
     *node_at(g, node) = (gather_node){axis, at, {child[0], child[1]}, -1};
     gather_leaf_at(g, leaf)->terms = 0;
     return 1;
@@ -242,11 +248,39 @@ void gather_leaf_stand(const gather *g, const gather_leaf *leaf, double a, doubl
     vec_add_scaled(stand->x, vec_dot(d, f->normal), f->normal, stand->x);
 }
 
+/* What a ray met: a side that reflects, or gather_none. */
+typedef struct sighting {
+    uint32_t side;
+    double at[2];
+} sighting;
+
+static void see(const gather *g, const gather_spot *spot, sighting *out)
+{
+    out->side = spot && spot->reflects ? spot->side : gather_none;
+    if (out->side != gather_none)
+        gather_to_plane(gather_plane_at(g, out->side / 2), spot->stand.x, out->at);
+}
+
+static void count_hits(gather *g, const sighting *seen, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        uint32_t leaf;
+
+        if (seen[i].side == gather_none)
+            continue;
+        g->sides[seen[i].side].hits++;
+        leaf = gather_leaf_of(g, seen[i].side, seen[i].at);
+        if (leaf != gather_none)
+            gather_leaf_at(g, leaf)->hits++;
+    }
+    g->probes += count;
+}
+
 /* Rays that find out how far leaves see, and what. */
 typedef struct probing {
     gather *g;
     size_t first_leaf;
-    uint32_t *seen; /* PROBES sides a leaf */
+    sighting *seen; /* PROBES a leaf */
 } probing;
 
 static void probe_task(void *arg, size_t i)
@@ -262,15 +296,15 @@ static void probe_task(void *arg, size_t i)
         gather_stand stand;
         gather_spot spot;
 
-        sobol_point(&g->sobol, k, seed, 4, random);
+        sobol_point(&g->sobol, k, seed, 0, 4, random);
         gather_leaf_stand(g, l, random[2], random[3], at, &stand);
         random_cosine(random[0], random[1], d);
-        job->seen[i * PROBES + k] = gather_none;
-        if (!gather_trace(g, &stand, d, &spot))
-            continue;
-        sum += 1 / fmax(spot.distance, 1e-4 * g->scene->diameter);
-        if (spot.reflects)
-            job->seen[i * PROBES + k] = spot.side;
+        if (gather_trace(g, &stand, d, &spot)) {
+            sum += 1 / fmax(spot.distance, 1e-4 * g->scene->diameter);
+            see(g, &spot, &job->seen[i * PROBES + k]);
+        } else {
+            see(g, NULL, &job->seen[i * PROBES + k]);
+        }
     }
     l->ray_length = sum > 0 ? fmin(PROBES / sum, g->scene->diameter) : g->scene->diameter;
 }
@@ -285,9 +319,8 @@ static int probe(gather *g)
     if (!job.seen)
         return 0;
     ok = gather_each(g, leaves, probe_task, &job);
-    for (size_t i = 0; ok && i < count; i++)
-        if (job.seen[i] != gather_none)
-            g->sides[job.seen[i]].hits++;
+    if (ok)
+        count_hits(g, job.seen, count);
     lcor_internal_free(g->allocator, job.seen);
     g->probed += leaves;
     g->rays += count;
@@ -297,7 +330,7 @@ static int probe(gather *g)
 /* Rays from all fronts that are lit, to see what is worth a field. */
 typedef struct scouting {
     const gather *g;
-    uint32_t *seen;
+    sighting *seen;
 } scouting;
 
 static void scout_task(void *arg, size_t i)
@@ -310,13 +343,13 @@ static void scout_task(void *arg, size_t i)
         gather_stand stand;
         gather_spot spot;
 
-        sobol_point(&g->sobol, (uint32_t)k, 1, 4, random);
-        job->seen[k] = gather_none;
+        sobol_point(&g->sobol, (uint32_t)k, 1, 0, 4, random);
+        see(g, NULL, &job->seen[k]);
         if (!g->guide.lit[gather_place(g, random[2], random[3], &stand)])
             continue;
         random_cosine(random[0], random[1], d);
-        if (gather_trace(g, &stand, d, &spot) && spot.reflects)
-            job->seen[k] = spot.side;
+        if (gather_trace(g, &stand, d, &spot))
+            see(g, &spot, &job->seen[k]);
     }
 }
 
@@ -328,9 +361,8 @@ static int scout(gather *g)
     if (!job.seen)
         return 0;
     ok = gather_each(g, SCOUTS / 64, scout_task, &job);
-    for (size_t i = 0; ok && i < SCOUTS; i++)
-        if (job.seen[i] != gather_none)
-            g->sides[job.seen[i]].hits++;
+    if (ok)
+        count_hits(g, job.seen, SCOUTS);
     lcor_internal_free(g->allocator, job.seen);
     g->rays += SCOUTS;
     return ok;
@@ -339,7 +371,7 @@ static int scout(gather *g)
 /* Gives a field to every side that is met often enough. */
 static int activate(gather *g)
 {
-    const double least = fmax(HITS_LEAST, share_least * (double)g->rays);
+    const double least = fmax(HITS_LEAST, share_least * (double)g->probes);
 
     for (size_t i = 0; i < 2 * g->planes.count; i++)
         if (g->sides[i].root < 0 && g->sides[i].hits >= least && g->sides[i].reflects > 0 &&
@@ -355,14 +387,17 @@ static int refine(gather *g)
     size_t judged = 0;
 
     while (judged < g->leaves.count && !g->hurry) {
+        double hits;
+
         if (g->probed < g->leaves.count && !probe(g))
             return 0;
+        hits = share_split * (double)g->probes;
         for (; judged < g->probed; judged++) {
             const gather_leaf *l = gather_leaf_at(g, judged);
             const double half = fmax(l->half[0], l->half[1]);
 
             if (l->terms > 0 && half > g->effort.leaf_size * l->ray_length && half > least &&
-                !split(g, (uint32_t)judged))
+                (double)l->hits > hits && !split(g, (uint32_t)judged))
                 return 0;
         }
         if (!activate(g))

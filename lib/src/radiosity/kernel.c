@@ -3,6 +3,7 @@
 #include "base/internal.h"
 #include "geometry/vec.h"
 #include "radiosity/links.h"
+#include "radiosity/moments.h"
 #include "radiosity/transfer.h"
 
 #include <string.h>
@@ -27,30 +28,23 @@ static void fill_link(const links *l, const links_link *link)
     const face *fr = links_face_of(l, r), *fs = links_face_of(l, s);
     links_block *block = (links_block *)l->blocks.items + link->block;
     double x[RULE_Q][3], factors[RULE_Q];
-    transfer t = {l->scene,
-                  NULL,
-                  fr->normal,
-                  NULL,
-                  (const uint32_t *)l->occluders.items + link->first_occluder,
-                  link->occluder_count,
-                  l->accuracy,
-                  -1};
     int known;
 
     for (int i = 0; i < RULE_Q; i++)
         face_point(fr, r->c.s0 + rule_x[i / RULE_P] * r->c.hs,
                    r->c.t0 + rule_x[i % RULE_P] * r->c.ht, x[i]);
-    known = t.occluder_count == 0 && transfer_factors(&t, fr, RULE_Q, x, fs, &s->c, factors);
+    known =
+        link->occluder_count == 0 && transfer_factors(l->scene, fr, RULE_Q, x, fs, &s->c, factors);
     for (int i = 0; i < RULE_Q; i++) {
-        double weights[RULE_Q];
+        float weights[RULE_Q];
+        transfer t;
 
-        t.x = x[i];
-        t.exact = known ? factors[i] : -1;
-        block->rest[i] = transfer_weights(&t, fs, &s->c, weights);
-        for (int k = 0; k < RULE_Q; k++) {
-            block->k[i][k] = (float)weights[k];
-            block->rest[i] -= (double)block->k[i][k];
-        }
+        transfer_aim(&t, l->scene, x[i], fr->normal, fs,
+                     (const uint32_t *)l->occluders.items + link->first_occluder,
+                     link->occluder_count, (double)link->accuracy);
+        block->exact[i] = transfer_weights(&t, &s->c, known ? factors[i] : -1, weights);
+        for (int k = 0; k < RULE_Q; k++)
+            block->k[k][i] = weights[k];
     }
 }
 
@@ -180,16 +174,17 @@ static void leaf_source(const links *l, size_t element)
     }
     for (size_t i = 0; i < lights; i++) {
         const links_shadow *shadow = &l->shadows[e->face * lights + i];
-        transfer t = {l->scene, NULL,          NULL,           scene_light_at(l->scene, i),
-                      NULL,     shadow->count, light_accuracy, -1};
+        const lcor_light *light = scene_light_at(l->scene, i);
+        moments m;
         double flux;
 
         if (shadow->dark)
             continue;
-        t.occluders = (const uint32_t *)l->occluders.items + shadow->first;
-        flux = transfer_weights(&t, f, &e->c, weights);
+        moments_aim(&m, l->scene, light, f, (const uint32_t *)l->occluders.items + shadow->first,
+                    shadow->count, light_accuracy);
+        flux = moments_of(&m, &e->c, weights);
         for (int c = 0; c < l->channels; c++) {
-            const double intensity = light_channel(l->lights, t.light->intensity, c);
+            const double intensity = light_channel(l->lights, light->intensity, c);
             const double sent = intensity * light_channel(l->lights, look->reflectance, c);
 
             e->power += intensity * flux / l->channels;

@@ -30,6 +30,9 @@ typedef struct links_link {
     uint32_t receiver, sender;
     uint32_t first_occluder, occluder_count; /* in links.occluders */
     uint32_t block;
+    float accuracy;  /* of the block's weights, a form factor */
+    float defect[3]; /* of the interpolated form factor: at the ends of either axis, the worst;
+                        defect[2] < 0: not measured yet */
 } links_link;
 
 static const uint32_t links_no_block = UINT32_MAX;
@@ -40,11 +43,11 @@ typedef struct links_shadow {
     int dark;
 } links_shadow;
 
-/* E[i] += sum_k k[i][k] B[k] + rest[i] mean(B): floats for the bulk, and what their rounding
- * leaves of the exact form factor in double, so that constants are transferred exactly. */
+/* E[i] += exact[i] mean(B) + sum_k k[k][i] (B[k] - mean(B)): what varies in float, the mean by the
+ * exact form factor in double, so that constants are transferred exactly. */
 typedef struct links_block {
-    float k[RULE_Q][RULE_Q];
-    double rest[RULE_Q]; /* before the row is computed: the exact factor, or -1 if unknown */
+    float k[RULE_Q][RULE_Q]; /* [node of the sender][node of the receiver] */
+    double exact[RULE_Q];
 } links_block;
 
 typedef struct links links;
@@ -63,6 +66,8 @@ struct links {
     lcor_array occluders;                     /* uint32_t */
     lcor_array scratch;                       /* uint32_t, used as a stack while refining */
     lcor_array irradiance, radiosity, source; /* double[RULE_Q * channels] an element */
+    lcor_array deviation;                     /* double[RULE_Q * channels] an element: B - mean */
+    lcor_array mean;                          /* double[channels] an element: mean B */
     lcor_array krylov;
     size_t leaf_count;
     void (*poll)(links *l); /* called now and then: may set hurry or cancelled */
@@ -71,9 +76,8 @@ struct links {
     int hurry;             /* a limit is reached: link what is left as it is */
     int cancelled;         /* the caller wants to stop */
     double eps;            /* error a link may make, relative to its receiver */
-    double accuracy;       /* of near-field weights, a form factor */
-    double share_power;    /* a receiver's errors count by its share of its face's area to
-                              this power: 0.5 for the rms norm, 0 for the largest */
+    double accuracy;       /* of near-field weights, relative to the receiver's irradiance */
+    int share;             /* a receiver's errors count by the root of its area, as in an rms */
     double finest;         /* elements may be split down to this times face.finest */
     double ambient, floor; /* mean indirect irradiance; least E errors refer to */
     int closed;            /* convex and without a hole: every hemisphere is full */
@@ -103,7 +107,12 @@ void links_clear(links *l);
 int links_relight(links *l); /* after lights or looks changed */
 int links_split(links *l, size_t element, int axis);
 int links_may_split(const links *l, const links_element *e, int axis);
+/* Length of an element along an axis: of its middle line. */
+double links_extent(const links *l, const links_element *e, int axis);
 void links_region(const links *l, const links_element *e, region *out);
+/* A point this little before the edge between two leaves belongs to the second, so that rounding
+ * does not decide. */
+#define LINKS_ON_EDGE 1e-12
 /* Leaf at (s, t) of the face, and the place within it. */
 size_t links_leaf_at(const links *l, const face *f, double s, double t, double *u, double *v);
 
@@ -121,9 +130,10 @@ void links_run(const links *l, size_t n, void (*task)(void *arg, size_t i), void
 int links_solve(links *l, double tolerance, int max_iterations);
 
 /* tight.c: indirect irradiance at x as the solution's radiosity gives it by one gathering of its
- * own; `skip` is the surface x lies on, or LCOR_BVH_NONE. `channels` values. */
+ * own, about as accurate as wanted if all irradiance there is as `expected`; `skip` is the surface
+ * x lies on, or LCOR_BVH_NONE. `channels` values. */
 void links_gather(const links *l, const double x[3], const double normal[3], uint32_t skip,
-                  double accuracy, double *out);
+                  double accuracy, double expected, double *out);
 
 /* Estimated errors from about n points spread over the leaves by area. */
 typedef struct links_errors {

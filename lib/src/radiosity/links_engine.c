@@ -16,7 +16,7 @@ static const size_t faces_max = 2000;
 
 /* Parts of the tolerance: what one link may err (of a tolerance of 1 %, and less of a smaller one),
  * what the near field and the solver may. */
-static const double link_share = 1, near_share = 1, solver_share = 0.01;
+static const double link_share = 1, hidden_share = 0.15, near_share = 2, solver_share = 0.03;
 
 /* What a round that missed may change at most and at least. */
 static const double tighten_most = 0.1, tighten_least = 0.6;
@@ -26,12 +26,15 @@ static const double unseen = 2;
 
 static uint64_t bytes_held(const links *l)
 {
+    const size_t values = RULE_Q * (size_t)l->channels;
+
     return l->faces.capacity * sizeof(face) + l->elements.capacity * sizeof(links_element) +
            l->list.capacity * sizeof(links_link) + l->blocks.capacity * sizeof(links_block) +
            (l->occluders.capacity + l->scratch.capacity) * sizeof(uint32_t) +
-           (l->irradiance.capacity + l->radiosity.capacity + l->source.capacity) * sizeof(double) *
-               RULE_Q * (size_t)l->channels +
-           l->krylov.capacity * sizeof(double);
+           (l->irradiance.capacity + l->radiosity.capacity + l->source.capacity +
+            l->deviation.capacity) *
+               sizeof(double) * values +
+           (l->mean.capacity * (size_t)l->channels + l->krylov.capacity) * sizeof(double);
 }
 
 static double wanted_error(const lcor_solution *s, const links_errors *e)
@@ -43,7 +46,7 @@ static size_t sample_count(const lcor_solution *s)
 {
     if (s->options.norm == LCOR_NORM_MAX)
         return 512;
-    return s->options.tolerance >= 5e-3 ? 64 : 256;
+    return s->options.tolerance >= 5e-3 ? 64 : 192;
 }
 
 /* Reports progress, a little more each time as the end is not known; minds the limits. */
@@ -67,7 +70,7 @@ static lcor_status prepare(lcor_solution *s, lcor_error *err)
     l->scene = s->scene;
     l->allocator = s->allocator;
     l->parallel = s->options.parallel;
-    l->share_power = s->options.norm == LCOR_NORM_RMS ? 0.5 : 0;
+    l->share = s->options.norm == LCOR_NORM_RMS;
     l->lights = &s->lights;
     l->channels = s->report.channels;
     l->poll = poll;
@@ -114,7 +117,8 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
     const double tolerance = s->options.tolerance;
     links *l = (links *)s->state;
 
-    l->eps = link_share * tolerance * pow(tolerance / 0.01, 0.3);
+    l->eps =
+        (s->scene->convex ? link_share : hidden_share) * tolerance * pow(tolerance / 0.01, 0.3);
     l->accuracy = near_share * tolerance;
     l->finest = 1;
     l->hurry = l->cancelled = 0;

@@ -85,29 +85,78 @@ static void add_box(shaft *s, const region *a, const region *b)
     }
 }
 
-static int outside(const shaft *s, const double *corners, size_t n, double touch)
+const uint32_t *occluders_of(const lcor_scene *scene, int single, size_t *count)
+{
+    *count = single ? scene->surfaces.count : scene->blockers.count;
+    return single ? NULL : scene->blockers.items;
+}
+
+static int behind(const lcor_scene *scene, const scene_surface *o, const double point[3],
+                  const double outward[3], double touch)
+{
+    const double *corners = scene_corners(scene, o);
+
+    for (size_t j = 0; j < o->corner_count; j++) {
+        double d[3];
+
+        vec_sub(corners + 3 * j, point, d);
+        if (vec_dot(d, outward) < -touch)
+            return 0;
+    }
+    return 1;
+}
+
+/* Whether one plane of the shaft has all of the blocker on its outer side. */
+static int outside(const shaft *s, const lcor_scene *scene, uint32_t id, double touch)
 {
     for (int i = 0; i < s->count; i++) {
+        const scene_surface *o;
         int out = 1;
 
-        for (size_t j = 0; j < n && out; j++) {
-            double d[3];
-
-            vec_sub(corners + 3 * j, s->point[i], d);
-            out = vec_dot(d, s->outward[i]) >= -touch;
-        }
+        for (size_t k = 0; out && (o = scene_blocker_part(scene, id, k)); k++)
+            out = behind(scene, o, s->point[i], s->outward[i], touch);
         if (out)
             return 1;
     }
     return 0;
 }
 
-/* Whether segment p-q crosses the polygon, which is convex. An end may lie on it, as corners do
- * where surfaces meet, but not both. */
-static int crosses(const scene_surface *o, const double *corners, const double p[3],
+/* Whether segment p-q passes through the inside of the solid. */
+static int pierces(const lcor_scene *scene, const scene_solid *solid, const double p[3],
                    const double q[3], double touch)
 {
+    const scene_plane *planes = (const scene_plane *)scene->planes.items + solid->first_plane;
+    double from = 0, to = 1;
+
+    for (size_t i = 0; i < solid->plane_count; i++) {
+        double d[3], hp, hq;
+
+        vec_sub(p, planes[i].point, d);
+        hp = vec_dot(d, planes[i].normal) + touch;
+        vec_sub(q, planes[i].point, d);
+        hq = vec_dot(d, planes[i].normal) + touch;
+        if (hp >= 0 && hq >= 0)
+            return 0;
+        if (hp > 0)
+            from = fmax(from, hp / (hp - hq));
+        else if (hq > 0)
+            to = fmin(to, hp / (hp - hq));
+    }
+    return from < to;
+}
+
+/* Whether segment p-q crosses the blocker, which is convex. An end may lie on it, as corners do
+ * where surfaces meet, but not both. */
+static int crosses(const lcor_scene *scene, uint32_t id, const double p[3], const double q[3],
+                   double touch)
+{
+    const scene_solid *solid = scene_solid_of(scene, id);
+    const scene_surface *o = scene_blocker_part(scene, id, 0);
+    const double *corners = scene_corners(scene, o);
     double d[3], hp, hq, at[3];
+
+    if (solid)
+        return pierces(scene, solid, p, q, touch);
 
     vec_sub(p, o->origin, d);
     hp = vec_dot(d, o->normal);
@@ -132,12 +181,12 @@ static int crosses(const scene_surface *o, const double *corners, const double p
     return 1;
 }
 
-/* One polygon crossing all sixteen segments between corners crosses every segment. */
-static int blocks(const scene_surface *o, const double *corners, const region *a, const region *b,
+/* A convex blocker crossed by all sixteen segments between corners crosses every segment. */
+static int blocks(const lcor_scene *scene, uint32_t id, const region *a, const region *b,
                   double touch)
 {
     for (int i = 0; i < 16; i++)
-        if (!crosses(o, corners, a->corners[i / 4], b->corners[i % 4], touch))
+        if (!crosses(scene, id, a->corners[i / 4], b->corners[i % 4], touch))
             return 0;
     return 1;
 }
@@ -156,12 +205,10 @@ long occluders_between(const lcor_scene *scene, const region *a, const region *b
     add_edge_planes(&s, b, a, touch);
     for (size_t i = 0; i < count; i++) {
         const uint32_t id = in ? in[i] : (uint32_t)i;
-        const scene_surface *o = scene_surface_at(scene, id);
-        const double *corners = scene_corners(scene, o);
 
-        if (outside(&s, corners, o->corner_count, touch))
+        if (outside(&s, scene, id, touch))
             continue;
-        if (blocks(o, corners, a, b, touch))
+        if (blocks(scene, id, a, b, touch))
             return OCCLUDERS_BLOCK;
         if ((size_t)kept == room)
             return OCCLUDERS_CROWD;
@@ -170,7 +217,7 @@ long occluders_between(const lcor_scene *scene, const region *a, const region *b
     return kept;
 }
 
-static int light_blocks(const scene_surface *o, const double *corners, const lcor_light *light,
+static int light_blocks(const lcor_scene *scene, uint32_t id, const lcor_light *light,
                         const region *a, double far, double touch)
 {
     for (int i = 0; i < 4; i++) {
@@ -180,7 +227,7 @@ static int light_blocks(const scene_surface *o, const double *corners, const lco
             vec_add_scaled(a->corners[i], -far, light->direction, eye);
         else
             vec_copy(light->position, eye);
-        if (!crosses(o, corners, a->corners[i], eye, touch))
+        if (!crosses(scene, id, a->corners[i], eye, touch))
             return 0;
     }
     return 1;
@@ -216,12 +263,10 @@ long occluders_of_light(const lcor_scene *scene, const lcor_light *light, const 
     }
     for (size_t i = 0; i < count; i++) {
         const uint32_t id = in ? in[i] : (uint32_t)i;
-        const scene_surface *o = scene_surface_at(scene, id);
-        const double *corners = scene_corners(scene, o);
 
-        if (outside(&s, corners, o->corner_count, touch))
+        if (outside(&s, scene, id, touch))
             continue;
-        if (light_blocks(o, corners, light, a, 4 * scene->diameter, touch))
+        if (light_blocks(scene, id, light, a, 4 * scene->diameter, touch))
             return OCCLUDERS_BLOCK;
         if ((size_t)kept == room)
             return OCCLUDERS_CROWD;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which surfaces may stand between two elements, or between a light and an element. */
+/* Which blockers may stand between two elements, or between a light and an element. */
 #ifndef LCOR_RADIOSITY_OCCLUDERS_H
 #define LCOR_RADIOSITY_OCCLUDERS_H
 
@@ -10,6 +10,11 @@ typedef struct region { /* a cell of a face as four corners and its normal */
 } region;
 
 enum { OCCLUDERS_BLOCK = -1, OCCLUDERS_CROWD = -2 };
+
+/* Everything that may hide something: the scene's blockers, or with `single` every surface by
+ * itself, as what lies inside a solid or on the inner side of its hull sees them. `occluders_of`
+ * returns NULL for the latter. */
+const uint32_t *occluders_of(const lcor_scene *scene, int single, size_t *count);
 
 /* Filters `in` (NULL: all surfaces, count of them) to what may stand between a and b, which face
  * each other. Returns how many, OCCLUDERS_BLOCK if one of them hides all of b from all of a, or

@@ -3,6 +3,7 @@
 
 #include "geometry/vec.h"
 #include "radiosity/face.h"
+#include "radiosity/moments.h"
 #include "radiosity/occluders.h"
 #include "radiosity/transfer.h"
 
@@ -25,12 +26,17 @@ typedef struct quad_job {
     double power[3];
 } quad_job;
 
-static void add(const quad_job *j, size_t row, size_t column, double value)
+static void add(const quad_job *j, size_t row, size_t column, size_t n, const double *values)
 {
-    double *out = j->out + ((row - j->row0) * j->nv + column) * (size_t)j->set->channels;
+    const size_t channels = (size_t)j->set->channels;
+    double *out = j->out + ((row - j->row0) * j->nv + column) * channels;
 
-    for (int c = 0; c < j->set->channels; c++)
-        out[c] += value * j->power[c];
+    if (channels == 1)
+        for (size_t k = 0; k < n; k++)
+            out[k] += values[k] * j->power[0];
+    else
+        for (size_t k = 0; k < n * channels; k++)
+            out[k] += values[k / channels] * j->power[k % channels];
 }
 
 /* Average over a patch by quadrature that adapts to the light's distance and clips at shadows. */
@@ -39,10 +45,11 @@ static double exact_average(const quad_job *j, size_t row, size_t column, const 
 {
     const cell c = {(double)row / (double)j->nu, (double)column / (double)j->nv, 1 / (double)j->nu,
                     1 / (double)j->nv};
-    const transfer t = {j->set->scene, NULL, NULL, j->light, occluders, count, j->accuracy, -1};
-    double weights[RULE_Q];
+    double out[RULE_Q];
+    moments m;
 
-    return transfer_weights(&t, &j->whole, &c, weights) / face_cell_area(&j->whole, &c);
+    moments_aim(&m, j->set->scene, j->light, &j->whole, occluders, count, j->accuracy);
+    return moments_of(&m, &c, out) / face_cell_area(&j->whole, &c);
 }
 
 /* Many surfaces in the way of one patch: rays to a grid of points. */
@@ -88,7 +95,7 @@ static void clear_row(const quad_job *j, size_t row, size_t first, size_t end, i
         const double value = lcor_direct_unshadowed(j->light, j->whole.origin, j->whole.normal);
 
         for (size_t k = first; k < end; k++)
-            add(j, row, k, value);
+            add(j, row, k, 1, &value);
         return;
     }
     vec_sub(j->light->position, j->whole.origin, from);
@@ -115,8 +122,7 @@ static void clear_row(const quad_job *j, size_t row, size_t first, size_t end, i
 
                     value[k] = share / (r2 * sqrt(r2));
                 }
-                for (size_t k = 0; k < n; k++)
-                    add(j, row, base + k, value[k]);
+                add(j, row, base, n, value);
             }
     }
 }
@@ -145,9 +151,11 @@ static void light_block(const quad_job *j, size_t r0, size_t r1, size_t c0, size
         for (size_t row = r0; row < r1; row++)
             clear_row(j, row, c0, c1, points);
     } else if (r1 - r0 == 1 && c1 - c0 == 1) {
-        add(j, r0, c0,
-            count == OCCLUDERS_CROWD ? sampled_average(j, r0, c0)
-                                     : exact_average(j, r0, c0, occluders, (size_t)count));
+        const double value = count == OCCLUDERS_CROWD
+                                 ? sampled_average(j, r0, c0)
+                                 : exact_average(j, r0, c0, occluders, (size_t)count);
+
+        add(j, r0, c0, 1, &value);
     } else {
         const int rows = r1 - r0 >= c1 - c0;
         const size_t rm = rows ? (r0 + r1) / 2 : r1, cm = rows ? c1 : (c0 + c1) / 2;
@@ -162,6 +170,8 @@ static void light_block(const quad_job *j, size_t r0, size_t r1, size_t c0, size
 static void quad_averages(const light_set *set, const scene_surface *s, size_t surface,
                           size_t first, size_t count, double accuracy, double *out)
 {
+    const uint32_t *blockers;
+    size_t candidates;
     quad_job j;
 
     memset(&j, 0, sizeof j);
@@ -179,8 +189,9 @@ static void quad_averages(const light_set *set, const scene_surface *s, size_t s
         j.light = scene_light_at(set->scene, i);
         for (int c = 0; c < set->channels; c++)
             j.power[c] = light_channel(set, j.light->intensity, c);
-        light_block(&j, j.row0, j.row0 + count / j.nv, 0, j.nv, NULL,
-                    set->open[i] ? 0 : set->scene->surfaces.count);
+        blockers = occluders_of(set->scene, light_in_solid(set->scene, j.light), &candidates);
+        light_block(&j, j.row0, j.row0 + count / j.nv, 0, j.nv, blockers,
+                    set->open[i] ? 0 : candidates);
     }
 }
 
@@ -206,19 +217,22 @@ static void triangle_average(const light_set *set, const scene_surface *s, size_
     for (size_t i = 0; i < set->scene->lights.count; i++) {
         const lcor_light *light = scene_light_at(set->scene, i);
         uint32_t occluders[OCCLUDERS_MAX];
-        double weights[RULE_Q], value;
-        transfer t = {set->scene, NULL, NULL, light, occluders, 0, accuracy, -1};
+        const uint32_t *blockers;
+        double flux[RULE_Q], value;
+        size_t candidates;
+        moments m;
         long count = 0;
 
+        blockers = occluders_of(set->scene, light_in_solid(set->scene, light), &candidates);
         if (!set->open[i])
-            count = occluders_of_light(set->scene, light, &r, NULL, set->scene->surfaces.count,
-                                       occluders, OCCLUDERS_MAX);
+            count = occluders_of_light(set->scene, light, &r, blockers, candidates, occluders,
+                                       OCCLUDERS_MAX);
         if (count == OCCLUDERS_BLOCK ||
             (count == OCCLUDERS_CROWD &&
              lcor_direct_shadowed(set->scene, light, corner[0], f.surface, NULL)))
             continue;
-        t.occluder_count = count > 0 ? (size_t)count : 0;
-        value = transfer_weights(&t, &f, &all, weights) / (0.5 * f.jacobian);
+        moments_aim(&m, set->scene, light, &f, occluders, count > 0 ? (size_t)count : 0, accuracy);
+        value = moments_of(&m, &all, flux) / (0.5 * f.jacobian);
         for (int c = 0; c < set->channels; c++)
             out[c] += value * light_channel(set, light->intensity, c);
     }

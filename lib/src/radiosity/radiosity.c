@@ -210,7 +210,7 @@ static void patch_task(void *arg, size_t chunk)
     const patch_job *job = arg;
     const size_t channels = (size_t)job->s->report.channels, first = chunk * job->step;
     const size_t n = job->count - first < job->step ? job->count - first : job->step;
-    const double accuracy = 0.001 * job->s->options.tolerance;
+    const double accuracy = 0.005 * job->s->options.tolerance;
     double *total = job->total ? job->total + channels * first : NULL;
     double *direct = job->direct ? job->direct + channels * first : total;
 

@@ -19,10 +19,11 @@ static const double test_t[TESTS] = {0.5, 0.5, 0.02, 0.98, 0.02, 0.98};
  * roughness that is left after integration. */
 static const double corner_share = 0.5, rough_share = 0.3;
 
-typedef struct pair {
-    uint32_t receiver, sender;
-    uint32_t first, count; /* what may stand between */
-} pair;
+/* In what is symmetric the first axis is taken, not what rounding says. */
+static const float unequal = 1.001F;
+
+/* In an rms the error of a small element counts little, but a patch should not be far off. */
+static const double least_share = 0.2;
 
 /* Whether some of b lies in front of a. */
 static int in_front(const links *l, const region *a, const region *b)
@@ -39,8 +40,8 @@ static int in_front(const links *l, const region *a, const region *b)
     return 0;
 }
 
-/* 1: light may pass, with the pair's occluders narrowed down; 0: none can; -1: no memory. */
-static int classify(links *l, pair *p)
+/* 1: light may pass, with the link's occluders narrowed down; 0: none can; -1: no memory. */
+static int classify(links *l, links_link *p)
 {
     region r, s;
     uint32_t *room;
@@ -50,18 +51,19 @@ static int classify(links *l, pair *p)
     links_region(l, links_at(l, p->sender), &s);
     if (!in_front(l, &r, &s) || !in_front(l, &s, &r))
         return 0;
-    if (p->count == 0)
+    if (p->occluder_count == 0)
         return 1;
-    room = lcor_array_reserve(&l->allocator, &l->occluders, p->count, sizeof *room);
+    room = lcor_array_reserve(&l->allocator, &l->occluders, p->occluder_count, sizeof *room);
     if (!room)
         return -1;
-    kept = occluders_between(l->scene, &r, &s, (const uint32_t *)l->occluders.items + p->first,
-                             p->count, room, p->count);
+    kept = occluders_between(l->scene, &r, &s,
+                             (const uint32_t *)l->occluders.items + p->first_occluder,
+                             p->occluder_count, room, p->occluder_count);
     if (kept == OCCLUDERS_BLOCK)
         return 0;
-    if ((uint32_t)kept < p->count) {
-        p->first = (uint32_t)l->occluders.count;
-        p->count = (uint32_t)kept;
+    if ((uint32_t)kept < p->occluder_count) {
+        p->first_occluder = (uint32_t)l->occluders.count;
+        p->occluder_count = (uint32_t)kept;
         l->occluders.count += (size_t)kept;
     }
     return 1;
@@ -74,35 +76,41 @@ static void nearest(const links_element *a, const links_element *b, double out[3
         out[k] = fmax(a->low[k], fmin(a->high[k], b->centre[k]));
 }
 
-/* The receiver oracle: the form factor interpolated from the receiver's nodes against itself.
- * Returns the worst defect and, in axis[], that at the ends of each axis. */
-static double measure(const links *l, const pair *p, double axis[2])
+/* The receiver oracle: the form factor interpolated from the receiver's nodes against itself. */
+static void measure(const links *l, links_link *p)
 {
     const links_element *r = links_at(l, p->receiver), *s = links_at(l, p->sender);
     const face *fr = links_face_of(l, r), *fs = links_face_of(l, s);
-    const transfer t = {
-        l->scene, NULL,        NULL, NULL, (const uint32_t *)l->occluders.items + p->first,
-        p->count, l->accuracy, -1};
-    double x[RULE_Q + TESTS][3], value[RULE_Q + TESTS], worst = 0;
+    double x[RULE_Q + TESTS][3], value[RULE_Q + TESTS];
 
     for (int k = 0; k < RULE_Q; k++)
         face_point(fr, r->c.s0 + rule_x[k / RULE_P] * r->c.hs,
                    r->c.t0 + rule_x[k % RULE_P] * r->c.ht, x[k]);
     for (int i = 0; i < TESTS; i++)
         face_point(fr, r->c.s0 + test_s[i] * r->c.hs, r->c.t0 + test_t[i] * r->c.ht, x[RULE_Q + i]);
-    (void)transfer_factors(&t, fr, RULE_Q + TESTS, x, fs, &s->c, value);
-    axis[0] = axis[1] = 0;
+    if (p->occluder_count > 0 ||
+        !transfer_factors(l->scene, fr, RULE_Q + TESTS, x, fs, &s->c, value))
+        for (int i = 0; i < RULE_Q + TESTS; i++) {
+            transfer t;
+
+            transfer_aim(&t, l->scene, x[i], fr->normal, fs,
+                         (const uint32_t *)l->occluders.items + p->first_occluder,
+                         p->occluder_count, l->accuracy);
+            value[i] = transfer_factor(&t, &s->c);
+        }
+    p->defect[0] = p->defect[1] = p->defect[2] = 0;
     for (int i = 0; i < TESTS; i++) {
-        double at_s[RULE_P], at_t[RULE_P], defect;
+        double at_s[RULE_P], at_t[RULE_P];
+        float defect;
 
         rule_values(test_s[i], at_s);
         rule_values(test_t[i], at_t);
-        defect = fabs(value[RULE_Q + i] - rule_interpolate(value, at_s, at_t));
-        worst = fmax(worst, defect);
-        if (i < 4)
-            axis[i / 2] = fmax(axis[i / 2], defect);
+        defect = (float)fabs(value[RULE_Q + i] - rule_interpolate(value, at_s, at_t));
+        if (i < 4 && defect > p->defect[i / 2])
+            p->defect[i / 2] = defect;
+        if (defect > p->defect[2])
+            p->defect[2] = defect;
     }
-    return worst;
 }
 
 /* Longer side of an element. */
@@ -113,28 +121,30 @@ static int long_axis(const links *l, const links_element *e)
     face_cell_corners(links_face_of(l, e), &e->c, corners);
     vec_sub(corners[2], corners[3], a);
     vec_sub(corners[2], corners[1], b);
-    return vec_dot(a, a) >= vec_dot(b, b) ? 0 : 1;
+    return vec_dot(b, b) > (double)unequal * vec_dot(a, a) ? 1 : 0;
 }
 
 /* Defect of the receiver that splitting it along *axis would mend, times `scale`. */
-static double receiver_defect(const links *l, const pair *p, double scale, int *axis)
+static double receiver_defect(const links *l, links_link *p, double scale, int *axis)
 {
     const links_element *r = links_at(l, p->receiver);
-    double along[2];
-    const double worst = measure(l, p, along);
 
-    *axis = along[0] >= along[1] ? 0 : 1;
+    if (p->defect[2] < 0)
+        measure(l, p);
+    *axis = p->defect[1] > unequal * p->defect[0] ? 1 : 0;
     if (links_may_split(l, r, *axis))
-        return worst * scale;
+        return (double)p->defect[2] * scale;
     *axis = 1 - *axis;
-    return links_may_split(l, r, *axis) ? along[*axis] * scale : 0;
+    return links_may_split(l, r, *axis) ? (double)p->defect[*axis] * scale : 0;
 }
 
 typedef enum verdict { ACCEPT, SPLIT_RECEIVER, SPLIT_SENDER } verdict;
 
-static verdict judge(const links *l, const pair *p, int *axis)
+static verdict judge(const links *l, links_link *p, int *axis)
 {
     const links_element *r = links_at(l, p->receiver), *s = links_at(l, p->sender);
+    const double least = fmax(r->e_min, l->floor);
+    const double face_area = links_at(l, (size_t)links_face_of(l, r)->root)->area;
     double from[3], qs[2], qr[2], d[3], distance, factor, scale, receiver, sender;
     int receiver_axis = 0, sender_axis;
 
@@ -145,10 +155,10 @@ static verdict judge(const links *l, const pair *p, int *axis)
     vec_sub(r->centre, s->centre, d);
     distance = fmax(distance, 0.5 * (vec_length(d) - 0.5 * sqrt(r->area) - 0.5 * sqrt(s->area)));
     factor = s->area / (pi * distance * distance + s->area); /* at most, of a disc */
-    scale = pow(r->area / links_at(l, (size_t)links_face_of(l, r)->root)->area, l->share_power) /
-            fmax(r->e_min, l->floor);
+    scale = (l->share ? fmax(least_share, sqrt(r->area / face_area)) : 1) / least;
     /* Behind an occluder's edge nothing is smooth, however far away. */
-    receiver = factor * s->b_max * scale * (p->count > 0 ? 1 : pow(fmin(qr[0], qr[1]), -RULE_P));
+    receiver =
+        factor * s->b_max * scale * (p->occluder_count > 0 ? 1 : pow(fmin(qr[0], qr[1]), -RULE_P));
     sender = factor * s->rough * scale * rough_share * pow(fmin(qs[0], qs[1]), -RULE_P);
     sender_axis = long_axis(l, s);
     if (!links_may_split(l, s, sender_axis))
@@ -165,66 +175,94 @@ static verdict judge(const links *l, const pair *p, int *axis)
     return sender > l->eps ? SPLIT_SENDER : ACCEPT;
 }
 
-static int add_link(links *l, const pair *p, uint32_t block)
+/* Keeps the link, with its coefficients if they are accurate enough for what the receiver gets: a
+ * bright sender needs better ones than a dark one. */
+static int add_link(links *l, links_link *p)
 {
+    const links_element *r = links_at(l, p->receiver), *s = links_at(l, p->sender);
     links_link *link = lcor_array_reserve(&l->allocator, &l->list, 1, sizeof *link);
+    const double wanted = l->accuracy * fmax(r->e_min, l->floor) / fmax(s->b_max, l->floor);
 
     if (!link)
         return 0;
-    *link = (links_link){p->receiver, p->sender, p->first, p->count, block};
+    if (p->block == links_no_block || (double)p->accuracy > 2 * wanted) {
+        p->block = links_no_block;
+        p->accuracy = (float)wanted;
+    }
+    *link = *p;
     l->list.count++;
     return 1;
 }
 
-/* Links receiver and sender, or their parts. `block` is what the pair has if it stays whole. */
-static int refine(links *l, pair p, uint32_t block)
+/* Links receiver and sender, or their parts. */
+static int refine(links *l, links_link p)
 {
-    const int passes = classify(l, &p);
     int axis;
     verdict v;
 
-    if (passes <= 0)
-        return passes == 0;
     if (l->polls++ % POLL_EVERY == 0)
         l->poll(l);
     if (l->cancelled)
         return 0;
     v = l->hurry ? ACCEPT : judge(l, &p, &axis);
     if (v == ACCEPT)
-        return add_link(l, &p, block);
+        return add_link(l, &p);
+    p.block = links_no_block;
+    p.defect[2] = -1;
     for (int i = 0; i < 2; i++) {
         uint32_t *split = v == SPLIT_RECEIVER ? &p.receiver : &p.sender;
-        pair part = p;
+        links_link part = p;
+        int passes;
 
         if (links_at(l, *split)->child < 0 && !links_split(l, *split, axis))
             return 0;
         *(v == SPLIT_RECEIVER ? &part.receiver : &part.sender) =
             (uint32_t)(links_at(l, *split)->child + i);
-        if (!refine(l, part, links_no_block))
+        passes = classify(l, &part);
+        if (passes < 0 || (passes > 0 && !refine(l, part)))
             return 0;
     }
     return 1;
 }
 
+/* The list of all that may hide something, blockers or single surfaces, as a pair starts with. */
+static int list_all(links *l, int single, links_link *p)
+{
+    size_t count;
+    const uint32_t *in = occluders_of(l->scene, single, &count);
+    uint32_t *out = lcor_array_reserve(&l->allocator, &l->occluders, count, sizeof *out);
+
+    if (!out)
+        return 0;
+    for (size_t i = 0; i < count; i++)
+        out[i] = in ? in[i] : (uint32_t)i;
+    p->first_occluder = (uint32_t)l->occluders.count;
+    p->occluder_count = (uint32_t)count;
+    l->occluders.count += count;
+    return 1;
+}
+
 static int refine_roots(links *l)
 {
-    const size_t surfaces = l->scene->convex ? 0 : l->scene->surfaces.count;
-    uint32_t *all;
-    pair p;
+    const links_link none = {0, 0, 0, 0, links_no_block, 0, {0, 0, -1}};
+    links_link start[2];
 
-    all = lcor_array_reserve(&l->allocator, &l->occluders, surfaces, sizeof *all);
-    if (!all)
-        return 0;
-    for (size_t i = 0; i < surfaces; i++)
-        all[i] = (uint32_t)i;
-    p.first = (uint32_t)l->occluders.count;
-    l->occluders.count += surfaces;
+    for (int single = 0; single < 2; single++) {
+        start[single] = none;
+        if (!l->scene->convex && !list_all(l, single, &start[single]))
+            return 0;
+    }
     for (size_t r = 0; r < l->faces.count; r++)
         for (size_t s = 0; s < l->faces.count; s++) {
-            p.receiver = (uint32_t)((face *)l->faces.items)[r].root;
-            p.sender = (uint32_t)((face *)l->faces.items)[s].root;
-            p.count = (uint32_t)surfaces;
-            if (r != s && !refine(l, p, links_no_block))
+            const face *to = (const face *)l->faces.items + r;
+            const face *from = (const face *)l->faces.items + s;
+            links_link p = start[to->back || from->back];
+            int passes;
+
+            p.receiver = (uint32_t)to->root;
+            p.sender = (uint32_t)from->root;
+            passes = r != s ? classify(l, &p) : 0;
+            if (passes < 0 || (passes > 0 && !refine(l, p)))
                 return 0;
         }
     return 1;
@@ -238,12 +276,8 @@ int links_refine(links *l)
     if (old.count == 0)
         return refine_roots(l);
     l->list = (lcor_array){0};
-    for (size_t i = 0; good && i < old.count; i++) {
-        const links_link *link = (const links_link *)old.items + i;
-        const pair p = {link->receiver, link->sender, link->first_occluder, link->occluder_count};
-
-        good = refine(l, p, link->block);
-    }
+    for (size_t i = 0; good && i < old.count; i++)
+        good = refine(l, ((const links_link *)old.items)[i]);
     lcor_array_clear(&l->allocator, &old);
     return good;
 }

@@ -21,6 +21,7 @@ void rule_push(int axis, int c, const double *whole, double *half);
 
 /* The transpose: adds weights of the half's nodes to those of the whole's. */
 void rule_fold(int axis, int c, const double *half, double *whole);
+void rule_fold_float(int axis, int c, const float *half, float *whole);
 
 /* sum over nodes of values[a] values[b] f[a, b] */
 double rule_interpolate(const double *f, const double at_s[RULE_P], const double at_t[RULE_P]);

@@ -56,24 +56,50 @@ static void pull(links *l)
     }
 }
 
+/* Splits the radiosity of all elements into mean and what is left, as links take it. */
+static void set_deviations(links *l)
+{
+    const size_t n = l->elements.count * (size_t)l->channels;
+    const double *b = l->radiosity.items;
+    double *mean = l->mean.items;
+    double *out = l->deviation.items;
+
+    for (size_t i = 0; i < n; i++, b += RULE_Q, out += RULE_Q) {
+        mean[i] = 0;
+        for (int k = 0; k < RULE_Q; k++)
+            mean[i] += rule_w[k / RULE_P] * rule_w[k % RULE_P] * b[k];
+        for (int k = 0; k < RULE_Q; k++)
+            out[k] = b[k] - mean[i];
+    }
+}
+
 static void receive(const links *l, const links_link *link)
 {
     const links_block *block = (const links_block *)l->blocks.items + link->block;
+    const size_t channels = (size_t)l->channels;
 
-    for (int c = 0; c < l->channels; c++) {
-        const double *b = links_values(l, &l->radiosity, link->sender) + c * RULE_Q;
+    for (size_t c = 0; c < channels; c++) {
+        const double *b =
+            (const double *)l->deviation.items + (link->sender * channels + c) * RULE_Q;
+        const double mean = ((const double *)l->mean.items)[link->sender * channels + c];
         double *e = links_values(l, &l->irradiance, link->receiver) + c * RULE_Q;
-        double mean = 0;
 
-        for (int k = 0; k < RULE_Q; k++)
-            mean += rule_w[k / RULE_P] * rule_w[k % RULE_P] * b[k];
-        for (int i = 0; i < RULE_Q; i++) {
-            double sum[4] = {block->rest[i] * mean, 0, 0, 0};
+        for (int i = 0; i < RULE_Q; i += 4) { /* four sums at a time become two vectors */
+            double s0 = block->exact[i] * mean, s1 = block->exact[i + 1] * mean;
+            double s2 = block->exact[i + 2] * mean, s3 = block->exact[i + 3] * mean;
 
-            for (int k = 0; k < RULE_Q; k += 4)
-                for (int j = 0; j < 4; j++)
-                    sum[j] += (double)block->k[i][k + j] * b[k + j];
-            e[i] += (sum[0] + sum[1]) + (sum[2] + sum[3]);
+            for (int k = 0; k < RULE_Q; k++) {
+                const float *row = block->k[k] + i;
+
+                s0 += (double)row[0] * b[k];
+                s1 += (double)row[1] * b[k];
+                s2 += (double)row[2] * b[k];
+                s3 += (double)row[3] * b[k];
+            }
+            e[i] += s0;
+            e[i + 1] += s1;
+            e[i + 2] += s2;
+            e[i + 3] += s3;
         }
     }
 }
@@ -118,12 +144,11 @@ static void set_radiosity(links *l, const double *irradiance, int with_source)
     }
 }
 
-/* Irradiance of the leaves that their radiosity causes, times `closure` where that is not NULL. */
-static void transport(links *l, const double *closure, double *out)
+/* Irradiance of the leaves due to the elements' means and deviations. */
+static void collect(links *l, double *out)
 {
     const size_t values = (size_t)(RULE_Q * l->channels);
 
-    pull(l);
     memset(l->irradiance.items, 0, l->elements.count * values * sizeof(double));
     links_run(l, RECEIVERS, receive_task, l);
     push(l);
@@ -134,7 +159,17 @@ static void transport(links *l, const double *closure, double *out)
             memcpy(out + (size_t)leaf * values, links_values(l, &l->irradiance, i),
                    values * sizeof(double));
     }
-    for (size_t i = 0; closure && i < l->leaf_count * values; i++)
+}
+
+/* Irradiance of the leaves that their radiosity causes, times `closure` where that is not NULL. */
+static void transport(links *l, const double *closure, double *out)
+{
+    const size_t n = l->leaf_count * (size_t)(RULE_Q * l->channels);
+
+    pull(l);
+    set_deviations(l);
+    collect(l, out);
+    for (size_t i = 0; closure && i < n; i++)
         out[i] *= closure[i];
 }
 
@@ -295,15 +330,15 @@ static double energy_defect(links *l, const double *x, const double *seen)
     return power > 0 ? fabs(defect) / power : 0;
 }
 
-/* How much of each node's hemisphere its links fill. */
+/* How much of each node's hemisphere its links fill: what radiosity 1 everywhere sends there. */
 static void find_seen(links *l, double *seen)
 {
-    const size_t values = (size_t)(RULE_Q * l->channels);
+    const size_t n = l->elements.count * (size_t)l->channels;
 
-    for (size_t i = 0; i < l->elements.count; i++)
-        for (size_t k = 0; k < values && links_at(l, i)->leaf >= 0; k++)
-            links_values(l, &l->radiosity, i)[k] = 1;
-    transport(l, NULL, seen);
+    for (size_t i = 0; i < n; i++)
+        ((double *)l->mean.items)[i] = 1;
+    memset(l->deviation.items, 0, n * RULE_Q * sizeof(double));
+    collect(l, seen);
 }
 
 /* The work array: a weight a leaf, then vectors of n: what each node sees, or the closure that
@@ -390,7 +425,12 @@ int links_solve(links *l, double tolerance, int max_iterations)
 
     number_leaves(l, NULL);
     w.n = l->leaf_count * (size_t)(RULE_Q * l->channels);
-    if (!need_vectors(&w, BASIS + capacity))
+    l->mean.count = l->deviation.count = 0;
+    if (!need_vectors(&w, BASIS + capacity) ||
+        !lcor_array_reserve(&l->allocator, &l->mean, l->elements.count,
+                            (size_t)l->channels * sizeof(double)) ||
+        !lcor_array_reserve(&l->allocator, &l->deviation, l->elements.count,
+                            (size_t)(RULE_Q * l->channels) * sizeof(double)))
         return 0;
     number_leaves(l, weights_of(&w));
     seen = vector_of(&w, SEEN);

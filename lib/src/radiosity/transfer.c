@@ -3,8 +3,6 @@
 
 #include "geometry/factor.h"
 #include "geometry/vec.h"
-#include "geometry/visible.h"
-#include "radiosity/direct.h"
 
 #include <math.h>
 #include <string.h>
@@ -13,188 +11,191 @@ enum { DEPTH_MAX = 64, CLIP_DEPTH_MAX = 24 };
 
 static const double inv_pi = 0.31830988618379067154;
 
-/* q of lines of half length `length`, given where the cell's centre lies from x: `du` along them,
- * `dv` across them in the plane, `dn` off the plane. The cell reaches `reach` to either side
- * across, shifted by `shear` a unit. On the line nearest to x the distance vanishes at a complex
- * point, foot
- * +- i height in units of the half length. */
-static double line_ellipse(double length, double du, double dv, double dn, double reach,
-                           double shear, double *distance2)
-{
-    const double move = dv > reach ? -reach : dv < -reach ? reach : -dv;
-    const double re = fabs(du + move * shear) / length, across = dv + move;
-    const double height2 = across * across + dn * dn, im2 = height2 / (length * length);
-    const double a = 0.5 * (sqrt((re - 1) * (re - 1) + im2) + sqrt((re + 1) * (re + 1) + im2));
-    const double out = re > 1 ? (re - 1) * length : 0;
+/* Seen from x, a line of the cell whose half is `e` is nearest where 1/r^2 has a pole at re +- i im
+ * half lengths from its middle; of all lines parallel to it, the half of which across is `o`, the
+ * nearest counts. `d`: from x to the cell's centre, in the plane; `height` off it. */
+typedef struct pole {
+    double re, im2, distance2;
+} pole;
 
-    *distance2 = out * out + height2;
-    return a > 1 ? a + sqrt(a * a - 1) : 1;
+static pole find_pole(const double e[2], const double o[2], const double d[2], double height)
+{
+    const double length2 = e[0] * e[0] + e[1] * e[1], inv = 1 / length2;
+    const double h = (e[0] * o[1] - e[1] * o[0]) * inv, reach = fabs(h);
+    const double along = (d[0] * e[0] + d[1] * e[1]) * inv;
+    const double across = (e[0] * d[1] - e[1] * d[0]) * inv;
+    const double move = across > reach ? -reach : across < -reach ? reach : -across;
+    const double shear = (o[0] * e[0] + o[1] * e[1]) * inv, rest = across + move;
+    pole p;
+    double out;
+
+    p.re = fabs(along + (shear != 0 ? move * shear / h : 0));
+    p.im2 = rest * rest + height * height * inv;
+    out = p.re > 1 ? p.re - 1 : 0;
+    p.distance2 = (out * out + p.im2) * length2;
+    return p;
 }
 
-static double parallelogram_ellipse(const face *f, const cell *c, const double d[3], double q[2])
+/* The cell's poles for either axis; of a triangle's trapezoids the middle lines stand for all.
+ * Returns its area. */
+static double find_poles(const transfer_frame *g, const face *f, const cell *c, pole p[2])
 {
-    const double half[2] = {0.5 * c->hs * f->length[0], 0.5 * c->ht * f->length[1]};
-    const double sine = f->jacobian / (f->length[0] * f->length[1]), dn = vec_dot(d, f->normal);
-    double distance2[2];
+    const double s = c->s0 + 0.5 * c->hs, t = c->t0 + 0.5 * c->ht;
+    const double line = f->line * (f->triangle ? s : 1);
+    const double first[2] = {0.5 * c->hs * (f->u_along + (f->triangle ? t * f->line : 0)),
+                             0.5 * c->hs * f->u_across};
+    const double second[2] = {0.5 * c->ht * line, 0};
+    const double d[2] = {s * f->u_along + t * line - g->along, s * f->u_across - g->across};
 
-    for (int i = 0; i < 2; i++) {
-        const double reach = half[1 - i] * sine, shear = (i == 0 ? 1 : -1) * f->cosine / sine;
-
-        q[i] = line_ellipse(half[i], vec_dot(d, f->along[i]), vec_dot(d, f->across[i]), dn, reach,
-                            shear, &distance2[i]);
-    }
-    return fmin(distance2[0], distance2[1]);
+    p[0] = find_pole(first, second, d, g->height);
+    p[1] = find_pole(second, first, d, g->height);
+    return 4 * fabs(first[1] * second[0]);
 }
 
-/* A trapezoid of a triangle: its middle lines stand for all lines. */
-static double trapezoid_ellipse(const face *f, const cell *c, const double d[3], double q[2])
+static void set_frame(transfer_frame *g, const double x[3], const face *f)
 {
-    double corners[4][3], half[2][3], distance2[2];
+    double d[3];
 
-    face_cell_corners(f, c, corners);
-    for (int k = 0; k < 3; k++) {
-        half[0][k] = 0.25 * (corners[1][k] - corners[0][k] + corners[2][k] - corners[3][k]);
-        half[1][k] = 0.25 * (corners[3][k] - corners[0][k] + corners[2][k] - corners[1][k]);
-    }
-    for (int i = 0; i < 2; i++) {
-        double along[3], across[3], h;
-        const double length = (vec_copy(half[i], along), vec_normalize(along));
-
-        vec_cross(f->normal, along, across);
-        h = vec_dot(half[1 - i], across);
-        q[i] = line_ellipse(length, vec_dot(d, along), vec_dot(d, across), vec_dot(d, f->normal),
-                            fabs(h), h != 0 ? vec_dot(half[1 - i], along) / h : 0, &distance2[i]);
-    }
-    return fmin(distance2[0], distance2[1]);
+    vec_sub(x, f->origin, d);
+    g->along = vec_dot(d, f->along);
+    g->across = vec_dot(d, f->across);
+    g->height = vec_dot(d, f->normal);
 }
 
 double transfer_ellipse(const double x[3], const face *f, const cell *c, double q[2])
 {
-    double centre[3], d[3];
+    transfer_frame g;
+    pole p[2];
 
-    face_point(f, c->s0 + 0.5 * c->hs, c->t0 + 0.5 * c->ht, centre);
-    vec_sub(centre, x, d);
-    return f->triangle ? trapezoid_ellipse(f, c, d, q) : parallelogram_ellipse(f, c, d, q);
-}
+    set_frame(&g, x, f);
+    (void)find_poles(&g, f, c, p);
+    for (int i = 0; i < 2; i++) {
+        const double re = p[i].re, im2 = p[i].im2;
+        const double a = 0.5 * (sqrt((re - 1) * (re - 1) + im2) + sqrt((re + 1) * (re + 1) + im2));
 
-static double power8(double x)
-{
-    x *= x;
-    x *= x;
-    return x * x;
-}
-
-/* Irradiance at x, or from the light, per radiosity and area at y. */
-static double kernel(const transfer *t, const face *f, const double y[3])
-{
-    double d[3], r2, cx, cy;
-
-    if (t->light)
-        return lcor_direct_unshadowed(t->light, y, f->normal);
-    vec_sub(y, t->x, d);
-    r2 = vec_dot(d, d);
-    cx = vec_dot(d, t->normal);
-    cy = -vec_dot(d, f->normal);
-    return cx > 0 && cy > 0 ? inv_pi * cx * cy / (r2 * r2) : 0;
-}
-
-/* Gauss quadrature of an unobstructed cell of a parallelogram for a receiver: the inner loop. */
-static void whole_parallelogram(const transfer *t, const face *f, const cell *c,
-                                double weights[RULE_Q])
-{
-    double base[3], us[3], vs[3], cy, scale;
-
-    for (int k = 0; k < 3; k++) {
-        base[k] = f->origin[k] + c->s0 * f->u[k] + c->t0 * f->v[k] - t->x[k];
-        us[k] = c->hs * f->u[k];
-        vs[k] = c->ht * f->v[k];
+        q[i] = a > 1 ? a + sqrt(a * a - 1) : 1;
     }
-    cy = -vec_dot(base, f->normal);
-    scale = cy > 0 ? face_cell_area(f, c) * inv_pi * cy : 0;
+    return fmin(p[0].distance2, p[1].distance2);
+}
+
+/* Whether x is so many of the cell's radii from its centre that the rule is accurate anyway. */
+static int is_distant(const transfer *t, const cell *c)
+{
+    const transfer_frame *g = &t->frame;
+    const face *f = t->f;
+    const double s = c->s0 + 0.5 * c->hs, line = f->line * (f->triangle ? c->s0 + c->hs : 1);
+    const double z = c->t0 + 0.5 * c->ht, mid = f->line * (f->triangle ? s : 1);
+    const double along = s * f->u_along + z * mid - g->along;
+    const double across = s * f->u_across - g->across;
+    const double u = f->u_along + (f->triangle ? z * f->line : 0);
+    const double radius = c->hs * sqrt(u * u + f->u_across * f->u_across) + c->ht * line;
+
+    return along * along + across * across + g->height * g->height >
+           0.25 * radius * radius * t->distant;
+}
+
+/* Whether the rule on this cell is as accurate as wanted; else *axis is the one to halve. Its error
+ * is the form factor times q^-2p. The pole lies outside the ellipse of parameter Q, half axes A and
+ * sqrt(A^2 - 1), if re^2 / A^2 + im^2 / (A^2 - 1) >= 1; with X = Q^2, A^2 = (X + 2 + 1/X) / 4. */
+static int is_far(const transfer *t, const cell *c, int *axis)
+{
+    pole p[2];
+    double area, d2, bound, x, a2, b2, out[2];
+
+    if (is_distant(t, c))
+        return 1;
+    area = find_poles(&t->frame, t->f, c, p);
+    d2 = p[0].distance2 < p[1].distance2 ? p[0].distance2 : p[1].distance2;
+    bound = area * t->frame.height * inv_pi / (d2 * sqrt(d2) + 1e-300);
+    bound = bound < 1 ? bound : 1;
+    if (bound <= t->accuracy)
+        return 1;
+    x = sqrt(sqrt(bound / t->accuracy));
+    a2 = 0.25 * (x + 1 / x) + 0.5;
+    b2 = a2 - 1;
+    for (int i = 0; i < 2; i++)
+        out[i] = p[i].re * p[i].re * b2 + p[i].im2 * a2;
+    if (out[0] >= a2 * b2 && out[1] >= a2 * b2)
+        return 1;
+    *axis = out[1] < 0.999 * out[0] ? 1 : 0; /* in what is symmetric, not by rounding */
+    return 0;
+}
+
+/* Gauss quadrature of a cell that is seen as a whole: the inner loop. Lengths are in units of the
+ * cell's size, so that floats suffice whatever the scene's unit. On the line of node a, the point
+ * of node b lies at p[a] + r[a] x_b along it, its squared distance from x but for that is q[a], its
+ * height above x's plane n[a] + m[a] x_b; all of these are linear in s or squares. */
+static void whole(const transfer *t, const cell *c, float weights[RULE_Q])
+{
+    static const float at[RULE_P] = {0.0694318442F, 0.3300094782F, 0.6699905218F, 0.9305681558F};
+    static const float w[RULE_P] = {0.1739274226F, 0.3260725774F, 0.3260725774F, 0.1739274226F};
+    const transfer_frame *g = &t->frame;
+    const face *f = t->f;
+    const double tip = f->triangle ? 1 : 0; /* lines shrink towards s = 0 */
+    const double size = c->hs * (fabs(f->u_along) + fabs(f->u_across)) + c->ht * f->line;
+    const double unit = 1 / size, line = f->line * unit, height = g->height * unit;
+    const double begin = tip != 0 ? c->s0 : 1,
+                 grow = tip * c->hs; /* length of lines: at s0, more */
+    const double p1 = c->hs * (f->u_along * unit + tip * c->t0 * line);
+    const double p0 = (c->s0 * f->u_along - g->along) * unit + begin * c->t0 * line;
+    const double q0 = (c->s0 * f->u_across - g->across) * unit, q1 = c->hs * f->u_across * unit;
+    const double step = c->ht * line,
+                 k = f->jacobian * c->hs * c->ht * unit * unit * height * inv_pi;
+    const float fp0 = (float)p0, fp1 = (float)p1, fq0 = (float)q0, fq1 = (float)q1;
+    const float fr0 = (float)(begin * step), fr1 = (float)(grow * step),
+                h2 = (float)(height * height);
+    const float fn0 = (float)(g->n_along * p0 + g->n_across * q0 - g->n_height * height);
+    const float fn1 = (float)(g->n_along * p1 + g->n_across * q1), na = (float)g->n_along;
+    const float fk0 = (float)(k * begin), fk1 = (float)(k * grow);
+    float p[RULE_P], q[RULE_P], r[RULE_P], n[RULE_P], m[RULE_P], scale[RULE_P];
+
     for (int a = 0; a < RULE_P; a++) {
-        const double px = base[0] + rule_x[a] * us[0], py = base[1] + rule_x[a] * us[1],
-                     pz = base[2] + rule_x[a] * us[2], w = scale * rule_w[a];
+        const float across = fq0 + fq1 * at[a];
 
-        for (int b = 0; b < RULE_P; b++) {
-            const double x = px + rule_x[b] * vs[0], y = py + rule_x[b] * vs[1],
-                         z = pz + rule_x[b] * vs[2];
-            const double r2 = x * x + y * y + z * z;
-            const double cx = x * t->normal[0] + y * t->normal[1] + z * t->normal[2];
-
-            weights[a * RULE_P + b] = w * rule_w[b] * (cx > 0 ? cx : 0) / (r2 * r2);
-        }
+        p[a] = fp0 + fp1 * at[a];
+        r[a] = fr0 + fr1 * at[a];
+        q[a] = across * across + h2;
+        n[a] = fn0 + fn1 * at[a];
+        m[a] = na * r[a];
+        scale[a] = (fk0 + fk1 * at[a]) * w[a];
     }
+    for (int a = 0; a < RULE_P; a++)
+        for (int b = 0; b < RULE_P; b++) {
+            const float along = p[a] + r[a] * at[b], r2 = along * along + q[a];
+            const float cosine = n[a] + m[a] * at[b];
+
+            weights[a * RULE_P + b] = scale[a] * w[b] * (cosine > 0 ? cosine : 0) / (r2 * r2);
+        }
 }
 
-static void whole(const transfer *t, const face *f, const cell *c, double weights[RULE_Q])
+/* Adds `sign` times the integral over a triangle inside the cell. */
+static void add_triangle(const transfer *t, const cell *c, double sign, const double p[3],
+                         const double q[3], const double r[3], float weights[RULE_Q])
 {
-    if (!t->light && !f->triangle) {
-        whole_parallelogram(t, f, c, weights);
-        return;
-    }
-    for (int a = 0; a < RULE_P; a++) {
-        const double s = c->s0 + rule_x[a] * c->hs;
-        const double w = f->jacobian * c->hs * c->ht * (f->triangle ? s : 1) * rule_w[a];
-
-        for (int b = 0; b < RULE_P; b++) {
-            double y[3];
-
-            face_point(f, s, c->t0 + rule_x[b] * c->ht, y);
-            weights[a * RULE_P + b] = w * rule_w[b] * kernel(t, f, y);
-        }
-    }
-}
-
-/* Adds the integral over a triangle inside the cell. */
-static void add_triangle(const transfer *t, const face *f, const cell *c, const double p[3],
-                         const double q[3], const double r[3], double weights[RULE_Q])
-{
+    const face *f = t->f;
     double a[3], b[3], cross[3], area2;
 
     vec_sub(q, p, a);
     vec_sub(r, q, b);
     vec_cross(a, b, cross);
-    area2 = vec_length(cross);
+    area2 = sign * vec_length(cross) * t->frame.height * inv_pi;
     for (int i = 0; i < RULE_P; i++)
         for (int j = 0; j < RULE_P; j++) {
-            const double w = area2 * rule_x[i] * rule_w[i] * rule_w[j];
-            double y[3], s, z, at_s[RULE_P], at_t[RULE_P], value;
+            double y[3], d[3], s, z, at_s[RULE_P], at_t[RULE_P], r2, cosine, value;
 
             vec_plane_point(p, a, b, rule_x[i], rule_x[i] * rule_x[j], y);
-            value = w * kernel(t, f, y);
+            vec_sub(y, t->x, d);
+            r2 = vec_dot(d, d);
+            cosine = vec_dot(d, t->normal);
+            if (!(cosine > 0))
+                continue;
+            value = area2 * rule_x[i] * rule_w[i] * rule_w[j] * cosine / (r2 * r2);
             face_coordinates(f, y, &s, &z);
             rule_values((s - c->s0) / c->hs, at_s);
             rule_values((z - c->t0) / c->ht, at_t);
             for (int k = 0; k < RULE_Q; k++)
-                weights[k] += value * at_s[k / RULE_P] * at_t[k % RULE_P];
+                weights[k] += (float)(value * at_s[k / RULE_P] * at_t[k % RULE_P]);
         }
-}
-
-/* What the eye sees of the cell. 1: *set holds it; 0: too many pieces. */
-static int visible_part(const transfer *t, const face *f, double (*corners)[3], visible_set *set)
-{
-    const double touch = SCENE_TOUCH * t->scene->diameter;
-    visible_eye eye = {{0, 0, 0}, 0};
-
-    (void)visible_start(set, 4, corners[0]);
-    if (t->light && t->light->kind == LCOR_LIGHT_DIRECTIONAL) {
-        eye.parallel = 1;
-        vec_add_scaled(eye.at, -1, t->light->direction, eye.at);
-    } else {
-        vec_copy(t->light ? t->light->position : t->x, eye.at);
-    }
-    if (!t->light)
-        visible_clip(set, t->x, t->normal);
-    for (size_t i = 0; i < t->occluder_count && set->count > 0; i++) {
-        const scene_surface *o = scene_surface_at(t->scene, t->occluders[i]);
-
-        if (o->corner_count > 40)
-            return 0;
-        if (!visible_subtract(set, &eye, f->normal, o->corner_count, scene_corners(t->scene, o),
-                              touch))
-            return 0;
-    }
-    return 1;
 }
 
 static double set_factor(const transfer *t, const visible_set *set)
@@ -202,86 +203,53 @@ static double set_factor(const transfer *t, const visible_set *set)
     double sum = 0;
 
     for (int i = 0; i < set->count; i++)
-        sum += lcor_factor_point(t->x, t->normal, (size_t)set->pieces[i].n, set->pieces[i].p[0]);
-    return sum;
-}
-
-/* Where the pieces are too many and the cell cannot be split any more: one ray decides. */
-static int centre_blocked(const transfer *t, const face *f, const cell *c)
-{
-    double x[3];
-
-    face_point(f, c->s0 + 0.5 * c->hs, c->t0 + 0.5 * c->ht, x);
-    return t->light ? lcor_direct_shadowed(t->scene, t->light, x, f->surface, NULL)
-                    : lcor_scene_blocked(t->scene, x, t->x, f->surface, NULL);
+        sum += set->pieces[i].sign *
+               lcor_factor_point(t->x, t->normal, (size_t)set->pieces[i].n, set->pieces[i].p[0]);
+    return fmax(sum, 0);
 }
 
 /* Weights of what is seen of a cell on which the kernel is smooth. Returns -1 if it should be split
- * after all, else the exact factor to a receiver. */
-static double clipped_cell(const transfer *t, const face *f, const cell *c, int depth,
-                           double weights[RULE_Q])
+ * after all, else the exact factor. */
+static double clipped_cell(const transfer *t, const cell *c, int depth, float weights[RULE_Q])
 {
     double corners[4][3];
     visible_set set;
 
-    face_cell_corners(f, c, corners);
-    if (!visible_part(t, f, corners, &set)) {
+    face_cell_corners(t->f, c, corners);
+    if (!sight_cell(&t->sight, corners, t->x, t->normal, &set)) {
         if (depth < CLIP_DEPTH_MAX)
             return -1;
-        (void)visible_start(&set, centre_blocked(t, f, c) ? 0 : 4, corners[0]);
+        (void)visible_start(&set, sight_centre_blocked(&t->sight, c) ? 0 : 4, corners[0]);
     }
-    if (set.count == 1 && set.pieces[0].n == 4 &&
-        memcmp(set.pieces[0].p, corners, sizeof corners) == 0) {
-        whole(t, f, c, weights);
-    } else {
-        memset(weights, 0, RULE_Q * sizeof *weights);
-        for (int i = 0; i < set.count; i++)
-            for (int j = 1; j + 1 < set.pieces[i].n; j++)
-                add_triangle(t, f, c, set.pieces[i].p[0], set.pieces[i].p[j],
-                             set.pieces[i].p[j + 1], weights);
-    }
-    return t->light ? 0 : set_factor(t, &set);
-}
+    memset(weights, 0, RULE_Q * sizeof *weights);
+    for (int i = 0; i < set.count; i++) {
+        const visible_piece *piece = &set.pieces[i];
 
-/* Error of the rule on this cell along each axis. */
-static void rule_error(const transfer *t, const face *f, const cell *c, double error[2])
-{
-    const double *x = t->light ? t->light->position : t->x;
-    double q[2], d[3], distance2, height, bound = 1;
-
-    error[0] = error[1] = 0;
-    if (t->light && t->light->kind == LCOR_LIGHT_DIRECTIONAL)
-        return;
-    distance2 = transfer_ellipse(x, f, c, q);
-    if (!t->light) {
-        vec_sub(t->x, f->origin, d);
-        height = vec_dot(d, f->normal);
-        bound = face_cell_area(f, c) * height * inv_pi / (distance2 * sqrt(distance2) + 1e-300);
-        bound = bound < 1 ? bound : 1;
+        if (i == 0 && piece->n == 4 && memcmp(piece->p, corners, sizeof corners) == 0)
+            whole(t, c, weights);
+        else
+            for (int j = 1; j + 1 < piece->n; j++)
+                add_triangle(t, c, piece->sign, piece->p[0], piece->p[j], piece->p[j + 1], weights);
     }
-    error[0] = bound * power8(1 / q[0]);
-    error[1] = bound * power8(1 / q[1]);
+    return set_factor(t, &set);
 }
 
 /* Virtual splitting: the sender keeps its nodes, but cells too near are halved, and the weights of
  * the halves are folded back onto the whole. */
-static double near_cell(const transfer *t, const face *f, const cell *c, int clipped, int depth,
-                        double weights[RULE_Q])
+static double near_cell(const transfer *t, const cell *c, int clipped, int depth,
+                        float weights[RULE_Q])
 {
-    double error[2], exact = -1;
+    double exact = -1;
+    int axis = depth % 2;
 
-    rule_error(t, f, c, error);
-    if ((error[0] <= t->accuracy && error[1] <= t->accuracy) || depth >= DEPTH_MAX) {
-        if (clipped) {
-            exact = clipped_cell(t, f, c, depth, weights);
-        } else {
-            whole(t, f, c, weights);
-            exact = 0;
-        }
+    if (depth >= DEPTH_MAX || is_far(t, c, &axis)) {
+        if (clipped)
+            exact = clipped_cell(t, c, depth, weights);
+        else
+            exact = (whole(t, c, weights), 0);
     }
     if (exact < 0) {
-        const int axis = error[0] >= error[1] ? 0 : 1;
-        double part[RULE_Q];
+        float part[RULE_Q];
         cell half = *c;
 
         exact = 0;
@@ -291,93 +259,110 @@ static double near_cell(const transfer *t, const face *f, const cell *c, int cli
         for (int i = 0; i < 2; i++) {
             half.s0 = c->s0 + (axis == 0 ? i * half.hs : 0);
             half.t0 = c->t0 + (axis == 1 ? i * half.ht : 0);
-            exact += near_cell(t, f, &half, clipped, depth + 1, part);
-            rule_fold(axis, i, part, weights);
+            exact += near_cell(t, &half, clipped, depth + 1, part);
+            rule_fold_float(axis, i, part, weights);
         }
     }
     return exact;
+}
+
+void transfer_aim(transfer *t, const lcor_scene *scene, const double x[3], const double normal[3],
+                  const face *f, const uint32_t *blockers, size_t count, double accuracy)
+{
+    visible_eye eye = {{0, 0, 0}, 0};
+    double q;
+
+    t->x = x;
+    t->normal = normal;
+    t->f = f;
+    t->accuracy = accuracy;
+    q = sqrt(sqrt(sqrt(1 / accuracy)));
+    t->distant = (1 + 0.5 * (q - 1 / q)) * (1 + 0.5 * (q - 1 / q));
+    set_frame(&t->frame, x, f);
+    t->frame.n_along = vec_dot(normal, f->along);
+    t->frame.n_across = vec_dot(normal, f->across);
+    t->frame.n_height = vec_dot(normal, f->normal);
+    vec_copy(x, eye.at);
+    sight_aim(&t->sight, scene, &eye, f, blockers, count);
 }
 
 /* -1 nothing of the cell is in front of x and facing it, 0 all of it is, 1 some. */
-static int horizon(const transfer *t, const face *f, double (*corners)[3])
+static int horizon(const transfer *t, double (*corners)[3])
 {
-    int below = 0;
-    double d[3];
+    const double touch = SCENE_TOUCH * t->sight.scene->diameter;
+    int below = 0, above = 0;
+    double d[3], h;
 
-    vec_sub(t->x, f->origin, d);
-    if (vec_dot(d, f->normal) <= 0)
+    if (t->frame.height <= 0)
         return -1;
     for (int i = 0; i < 4; i++) {
         vec_sub(corners[i], t->x, d);
-        below += vec_dot(d, t->normal) < 0;
+        h = vec_dot(d, t->normal);
+        below |= h < -touch;
+        above |= h > touch;
     }
-    return below == 4 ? -1 : below > 0;
+    return above ? below : -1;
 }
 
-double transfer_weights(const transfer *t, const face *f, const cell *c, double weights[RULE_Q])
+double transfer_weights(const transfer *t, const cell *c, double known, float weights[RULE_Q])
 {
-    double corners[4][3], exact, sum = 0;
-    int clipped = t->occluder_count > 0;
+    const int hidden = t->sight.count > 0 || t->sight.crowded;
+    double corners[4][3], exact;
+    float sum = 0;
+    int side = t->frame.height > 0 ? 0 : -1;
 
-    if (!t->light) {
-        int side;
-
-        face_cell_corners(f, c, corners);
-        side = horizon(t, f, corners);
-        if (side < 0) {
-            memset(weights, 0, RULE_Q * sizeof *weights);
-            return 0;
-        }
-        clipped |= side;
+    if (known < 0 && side == 0) {
+        face_cell_corners(t->f, c, corners);
+        side = horizon(t, corners);
     }
-    exact = near_cell(t, f, c, clipped, 0, weights);
-    if (!t->light && !clipped)
-        exact = t->exact >= 0 ? t->exact : lcor_factor_point(t->x, t->normal, 4, corners[0]);
+    if (side < 0) {
+        memset(weights, 0, RULE_Q * sizeof *weights);
+        return 0;
+    }
+    exact = near_cell(t, c, hidden || side, 0, weights);
+    if (known >= 0)
+        exact = known;
+    else if (!hidden && !side)
+        exact = lcor_factor_point(t->x, t->normal, 4, corners[0]);
     for (int k = 0; k < RULE_Q; k++)
         sum += weights[k];
-    if (t->light)
-        return sum;
-    if (sum > 0 && exact < 4 * sum)
+    if (sum > 0 && exact < 4 * (double)sum) {
+        const float scale = (float)(exact / (double)sum);
+
         for (int k = 0; k < RULE_Q; k++)
-            weights[k] *= exact / sum;
+            weights[k] *= scale;
+    }
     return exact;
 }
 
-double transfer_factor(const transfer *t, const face *f, const cell *c)
+double transfer_factor(const transfer *t, const cell *c)
 {
     visible_set set;
     double corners[4][3];
 
-    face_cell_corners(f, c, corners);
-    if (horizon(t, f, corners) < 0)
+    face_cell_corners(t->f, c, corners);
+    if (horizon(t, corners) < 0)
         return 0;
-    if (t->occluder_count == 0)
+    if (t->sight.count == 0 && !t->sight.crowded)
         return lcor_factor_point(t->x, t->normal, 4, corners[0]);
-    if (!visible_part(t, f, corners, &set))
-        return centre_blocked(t, f, c) ? 0 : lcor_factor_point(t->x, t->normal, 4, corners[0]);
+    if (!sight_cell(&t->sight, corners, t->x, t->normal, &set))
+        return sight_centre_blocked(&t->sight, c)
+                   ? 0
+                   : lcor_factor_point(t->x, t->normal, 4, corners[0]);
     return set_factor(t, &set);
 }
 
-int transfer_factors(const transfer *t, const face *r, size_t n, double (*points)[3], const face *f,
-                     const cell *c, double *factors)
+int transfer_factors(const lcor_scene *scene, const face *r, size_t n, double (*points)[3],
+                     const face *f, const cell *c, double *factors)
 {
+    const double touch = SCENE_TOUCH * scene->diameter;
     double corners[4][3], x[3][TRANSFER_POINTS], d[3];
-    int clipped = t->occluder_count > 0;
 
     face_cell_corners(f, c, corners);
     for (int i = 0; i < 4; i++) {
         vec_sub(corners[i], r->origin, d);
-        clipped |= vec_dot(d, r->normal) < 0;
-    }
-    if (clipped) {
-        transfer at = *t;
-
-        at.normal = r->normal;
-        for (size_t i = 0; i < n; i++) {
-            at.x = points[i];
-            factors[i] = transfer_factor(&at, f, c);
-        }
-        return 0;
+        if (vec_dot(d, r->normal) < -touch)
+            return 0;
     }
     for (size_t i = 0; i < n; i++)
         for (int k = 0; k < 3; k++)

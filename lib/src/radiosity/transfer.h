@@ -1,41 +1,50 @@
 /* SPDX-License-Identifier: MIT */
-/* Light from a cell of a face to a point, or from a light to a cell, as weights of the cell's
- * nodes: the near field, the exact scaling and the exact visibility live here. */
+/* Light from the cells of a face to a point as weights of the cell's nodes: the near field, the
+ * exact scaling and the exact visibility live here. */
 #ifndef LCOR_RADIOSITY_TRANSFER_H
 #define LCOR_RADIOSITY_TRANSFER_H
 
-#include "radiosity/face.h"
 #include "radiosity/rule.h"
+#include "radiosity/sight.h"
 
-/* One end of a transfer: a receiving point with its normal, or a light. `occluders` are the
- * surfaces that may stand between it and the cell. */
+/* Coordinates of a point and a direction as a face sees them: along its lines of constant first
+ * parameter, across them in its plane, off its plane. */
+typedef struct transfer_frame {
+    double along, across, height;
+    double n_along, n_across, n_height;
+} transfer_frame;
+
+/* A receiving point that looks at a face. */
 typedef struct transfer {
-    const lcor_scene *scene;
-    const double *x, *normal; /* receiver, when light is NULL */
-    const lcor_light *light;
-    const uint32_t *occluders;
-    size_t occluder_count;
-    double accuracy; /* of a form factor; for a light, relative */
-    double exact;    /* the form factor to the cell if known, else < 0 */
+    const double *x, *normal;
+    const face *f;
+    double accuracy; /* of a form factor */
+    double distant;  /* squared distance in radii at which the rule reaches it */
+    transfer_frame frame;
+    sight sight;
 } transfer;
 
-/* Receiver: irradiance at x = sum of weights[k] * radiosity at node k. Light of intensity 1:
- * weights[k] = integral over the cell of irradiance * polynomial k, so that their sum is the
- * flux. Returns the exact form factor (receiver) or the flux (light). */
-double transfer_weights(const transfer *t, const face *f, const cell *c, double weights[RULE_Q]);
+/* Fills *t; `blockers` are what may stand between the point and the cells. */
+void transfer_aim(transfer *t, const lcor_scene *scene, const double x[3], const double normal[3],
+                  const face *f, const uint32_t *blockers, size_t count, double accuracy);
 
-/* Exact form factor from point x to what it sees of the cell. */
-double transfer_factor(const transfer *t, const face *f, const cell *c);
+/* Irradiance at x = sum of weights[k] * radiosity at node k of the cell. Returns the exact form
+ * factor to what is seen of it; `known` is that factor, of a cell that nothing hides, or less than
+ * 0. */
+double transfer_weights(const transfer *t, const cell *c, double known, float weights[RULE_Q]);
 
-/* The same from n points (at most TRANSFER_POINTS) of face r; the x and normal of t are not used.
- * Returns 1 if nothing had to be clipped, and then the factors hold for transfer.exact too. */
+/* Exact form factor from x to what it sees of the cell. */
+double transfer_factor(const transfer *t, const cell *c);
+
+/* The same from n points (at most TRANSFER_POINTS) of face r to a cell that nothing hides. Returns
+ * 0, and nothing, if the cell crosses the plane of r. */
 enum { TRANSFER_POINTS = 24 };
-int transfer_factors(const transfer *t, const face *r, size_t n, double (*points)[3], const face *f,
-                     const cell *c, double *factors);
+int transfer_factors(const lcor_scene *scene, const face *r, size_t n, double (*points)[3],
+                     const face *f, const cell *c, double *factors);
 
-/* The larger parameter q of the Bernstein ellipse along each axis in which 1/r^2 seen from x is
- * analytic: polynomials of order p on the cell come as close as q^-p, quadrature as q^-2p. Returns
- * the squared distance, at most the true one. */
+/* The parameter q of the Bernstein ellipse along each axis in which 1/r^2 seen from x is analytic:
+ * polynomials of order p on the cell come as close as q^-p, quadrature as q^-2p. Returns the
+ * squared distance, at most the true one. */
 double transfer_ellipse(const double x[3], const face *f, const cell *c, double q[2]);
 
 #endif

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Element trees: splitting, and what the lights do to an element. */
 #include "base/internal.h"
+#include "geometry/factor.h"
 #include "geometry/vec.h"
 #include "radiosity/links.h"
-#include "radiosity/transfer.h"
 
 #include <math.h>
 #include <string.h>
@@ -121,8 +121,7 @@ static int add_element(links *l, uint32_t face_number, const cell *c)
     return 1;
 }
 
-/* Length of an element along an axis: of its middle line. */
-static double extent(const links *l, const links_element *e, int axis)
+double links_extent(const links *l, const links_element *e, int axis)
 {
     double a[3], b[3];
 
@@ -136,7 +135,8 @@ static double extent(const links *l, const links_element *e, int axis)
 
 int links_may_split(const links *l, const links_element *e, int axis)
 {
-    return extent(l, e, axis) > l->finest * links_face_of(l, e)->finest;
+    /* a little more, so that rounding does not decide for edges that are just as long */
+    return links_extent(l, e, axis) > 1.001 * l->finest * links_face_of(l, e)->finest;
 }
 
 int links_split(links *l, size_t element, int axis)
@@ -182,7 +182,8 @@ size_t links_leaf_at(const links *l, const face *f, double s, double t, double *
             return at;
         }
         at = (size_t)e->child;
-        if (e->axis == 0 ? s >= e->c.s0 + 0.5 * e->c.hs : t >= e->c.t0 + 0.5 * e->c.ht)
+        if ((e->axis == 0 ? s - e->c.s0 - 0.5 * e->c.hs : t - e->c.t0 - 0.5 * e->c.ht) >=
+            -LINKS_ON_EDGE)
             at++;
     }
 }
@@ -190,13 +191,16 @@ size_t links_leaf_at(const links *l, const face *f, double s, double t, double *
 /* Lists what may stand between each light and each face. */
 static int find_shadows(links *l)
 {
-    const size_t lights = l->scene->lights.count, surfaces = l->scene->surfaces.count;
+    const size_t lights = l->scene->lights.count;
 
     for (size_t f = 0; f < l->faces.count; f++)
         for (size_t i = 0; i < lights; i++) {
             const face *at = (const face *)l->faces.items + f;
+            const lcor_light *light = scene_light_at(l->scene, i);
             const cell all = {0, 0, 1, 1};
             links_shadow *shadow = &l->shadows[f * lights + i];
+            const uint32_t *blockers;
+            size_t candidates;
             region r;
             uint32_t *room;
             long count;
@@ -204,13 +208,14 @@ static int find_shadows(links *l)
             memset(shadow, 0, sizeof *shadow);
             if (l->lights->open[i])
                 continue;
-            room = lcor_array_reserve(&l->allocator, &l->occluders, surfaces, sizeof *room);
+            blockers =
+                occluders_of(l->scene, at->back || light_in_solid(l->scene, light), &candidates);
+            room = lcor_array_reserve(&l->allocator, &l->occluders, candidates, sizeof *room);
             if (!room)
                 return 0;
             face_cell_corners(at, &all, r.corners);
             vec_copy(at->normal, r.normal);
-            count = occluders_of_light(l->scene, scene_light_at(l->scene, i), &r, NULL, surfaces,
-                                       room, surfaces);
+            count = occluders_of_light(l->scene, light, &r, blockers, candidates, room, candidates);
             shadow->dark = count == OCCLUDERS_BLOCK;
             shadow->first = (uint32_t)l->occluders.count;
             shadow->count = count > 0 ? (uint32_t)count : 0;
@@ -261,11 +266,14 @@ static int is_closed(const links *l)
     for (size_t r = 0; r < l->faces.count; r++) {
         const face *at = (const face *)l->faces.items + r;
         double x[3], sum = 0;
-        transfer t = {l->scene, x, at->normal, NULL, NULL, 0, 0, -1};
 
         face_point(at, 0.5, 0.5, x);
-        for (size_t s = 0; s < l->faces.count; s++)
-            sum += s == r ? 0 : transfer_factor(&t, (const face *)l->faces.items + s, &all);
+        for (size_t s = 0; s < l->faces.count; s++) {
+            double corners[4][3];
+
+            face_cell_corners((const face *)l->faces.items + s, &all, corners);
+            sum += s == r ? 0 : lcor_factor_point(x, at->normal, 4, corners[0]);
+        }
         if (fabs(sum - 1) > 1e-9)
             return 0;
     }
@@ -305,8 +313,9 @@ int links_init(links *l)
 
 void links_clear(links *l)
 {
-    lcor_array *arrays[] = {&l->faces,   &l->elements,   &l->list,      &l->blocks, &l->occluders,
-                            &l->scratch, &l->irradiance, &l->radiosity, &l->source, &l->krylov};
+    lcor_array *arrays[] = {&l->faces,     &l->elements,  &l->list,       &l->blocks,
+                            &l->occluders, &l->scratch,   &l->irradiance, &l->radiosity,
+                            &l->source,    &l->deviation, &l->mean,       &l->krylov};
 
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         lcor_array_clear(&l->allocator, arrays[i]);

@@ -254,6 +254,11 @@ lcor_status lcor_scene_commit(lcor_scene *scene, const lcor_parallel *parallel, 
         (void)vec_normalize(((lcor_light *)scene->lights.items)[i].direction);
     scene->diameter = diameter_of(scene);
     scene->convex = is_convex(scene);
+    if (!lcor_scene_find_solids(scene)) {
+        lcor_bvh_free(scene->bvh);
+        scene->bvh = NULL;
+        return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory for solids");
+    }
     scene->committed = 1;
     return LCOR_OK;
 }

@@ -34,6 +34,11 @@ void lcor_scene_free(lcor_scene *scene)
     lcor_array_clear(&scene->allocator, &scene->surfaces);
     lcor_array_clear(&scene->allocator, &scene->lights);
     lcor_array_clear(&scene->allocator, &scene->corners);
+    lcor_array_clear(&scene->allocator, &scene->solids);
+    lcor_array_clear(&scene->allocator, &scene->members);
+    lcor_array_clear(&scene->allocator, &scene->planes);
+    lcor_array_clear(&scene->allocator, &scene->edges);
+    lcor_array_clear(&scene->allocator, &scene->blockers);
     lcor_internal_free(&scene->allocator, scene);
 }
 

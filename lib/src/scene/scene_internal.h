@@ -22,6 +22,25 @@ typedef struct scene_surface {
     lcor_surface look;
 } scene_surface;
 
+/* Surfaces that together are the hull of a convex solid, but for at most one of its sides: what
+ * stands in the light as one. */
+typedef struct scene_solid {
+    size_t first_member, member_count; /* in lcor_scene.members: surfaces */
+    size_t first_plane, plane_count;   /* in lcor_scene.planes, the missing side's included */
+    size_t first_edge, edge_count;     /* in lcor_scene.edges */
+} scene_solid;
+
+typedef struct scene_edge { /* of a solid, between two of its planes, counted from its first */
+    double p[3], q[3];
+    size_t side[2];
+} scene_edge;
+
+enum { SCENE_SOLID_SIDES = 64 }; /* a solid has at most, the missing one included */
+
+typedef struct scene_plane { /* (p - point) . normal <= 0 inside */
+    double point[3], normal[3];
+} scene_plane;
+
 struct lcor_scene {
     lcor_allocator allocator;
     lcor_array surfaces; /* scene_surface */
@@ -31,6 +50,10 @@ struct lcor_scene {
     lcor_bvh *bvh;   /* owners are surface numbers */
     double diameter; /* of the bounding box */
     int convex;      /* no surface has anything behind it: nothing hides anything */
+    /* Blockers are what may stand in the light: surface i, or solid i - surfaces.count. */
+    lcor_array solids, members; /* scene_solid, uint32_t */
+    lcor_array planes, edges;   /* scene_plane, scene_edge */
+    lcor_array blockers;        /* uint32_t: the solids and every surface that is in none */
 };
 
 /* Distance below which a ray's end counts as lying on a surface, as part of scene->diameter. */
@@ -66,6 +89,35 @@ int lcor_scene_blocked(const lcor_scene *scene, const double from[3], const doub
 /* The same towards a direction, without end. */
 int lcor_scene_blocked_towards(const lcor_scene *scene, const double from[3],
                                const double direction[3], uint32_t skip, uint32_t *cache);
+
+/* solid.c: finds the solids and fills the blockers; 0 without memory. */
+int lcor_scene_find_solids(lcor_scene *scene);
+
+/* The solid that a blocker is, or NULL. */
+static inline const scene_solid *scene_solid_of(const lcor_scene *scene, uint32_t blocker)
+{
+    return blocker < scene->surfaces.count
+               ? NULL
+               : (const scene_solid *)scene->solids.items + (blocker - scene->surfaces.count);
+}
+
+/* Surface k of a blocker, NULL behind the last one. */
+static inline const scene_surface *scene_blocker_part(const lcor_scene *scene, uint32_t blocker,
+                                                      size_t k)
+{
+    const scene_solid *solid = scene_solid_of(scene, blocker);
+
+    if (!solid)
+        return k == 0 ? scene_surface_at(scene, blocker) : NULL;
+    return k < solid->member_count
+               ? scene_surface_at(scene,
+                                  ((const uint32_t *)scene->members.items)[solid->first_member + k])
+               : NULL;
+}
+
+/* Whether a point lies inside one of the solids: then only single surfaces hide anything from it.
+ */
+int lcor_scene_in_solid(const lcor_scene *scene, const double point[3]);
 
 /* Corners of patch `index` as a parallelogram (corner_count 4) or triangle (3) in the surface's
  * edge coordinates: point = origin + s edge_u + t edge_v. Triangular patches of a polygon are

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/* What an eye, a point or a light, sees of the cells of a face past the blockers between. */
+#ifndef LCOR_RADIOSITY_SIGHT_H
+#define LCOR_RADIOSITY_SIGHT_H
+
+#include "geometry/visible.h"
+#include "radiosity/face.h"
+
+enum { SIGHT_CONES = 32 };
+
+typedef struct sight {
+    const lcor_scene *scene;
+    const face *f;
+    visible_eye eye;
+    int crowded; /* too much in the way to clip against: rays decide */
+    int count;
+    visible_cone cones[SIGHT_CONES];
+} sight;
+
+/* Looks at face f past the given blockers. */
+void sight_aim(sight *s, const lcor_scene *scene, const visible_eye *eye, const face *f,
+               const uint32_t *blockers, size_t count);
+
+/* The eye of a light. */
+void sight_eye_of(const lcor_light *light, visible_eye *eye);
+
+/* What is seen of a cell with these corners, of what lies on the upper side of the plane through x,
+ * if normal is not NULL. 1: *set holds it, pieces of sign -1 to be taken away from the others;
+ * 0: there are too many pieces. */
+int sight_cell(const sight *s, double (*corners)[3], const double x[3], const double normal[3],
+               visible_set *set);
+
+/* Whether a ray from the cell's centre to the eye is blocked. */
+int sight_centre_blocked(const sight *s, const cell *c);
+
+#endif
