@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { WIDTH = 1001, HEIGHT = 24 };
+enum { WIDTH = 1001, HEIGHT = 8 };
 
 static float rgb[HEIGHT][3 * WIDTH], light[HEIGHT][WIDTH], rho[HEIGHT][WIDTH];
 static uint64_t in[HEIGHT][3 * WIDTH], out[HEIGHT][3 * WIDTH];

@@ -51,9 +51,9 @@ INNER float ISA(inverse_root)(float m)
     return ISA(from_bits)(1419899955 - (int32_t)((float)ISA(bits)(m) * 0.333333333f));
 }
 
-INNER float ISA(g_of)(float t, float c0, float z)
+INNER float ISA(g_of)(float t, float c0, float e)
 {
-    const float e = 1.0f - c0 * z, e2 = e * e;
+    const float e2 = e * e;
     const float p = (0.6666666865f + e * 0.5555365086f) +
                     e2 * ((0.4938009381f + e * 0.4585397243f) + e2 * 0.4287317097f);
 

@@ -176,17 +176,18 @@ STAGE int ISA(lightness_of_f)(const lcor_kernel_constants *k, const float *restr
 STAGE void ISA(g)(float *restrict c, size_t planes)
 {
     for (; planes > 0; planes--, c += LCOR_BLOCK) {
-        float LCOR_ALIGNED c0[LCOR_BLOCK], z[LCOR_BLOCK];
+        float LCOR_ALIGNED c0[LCOR_BLOCK], e[LCOR_BLOCK];
 
         EACH (j, LCOR_BLOCK) {
             const float m = ISA(above_knee)(c[j]);
-            const float inverse = ISA(inverse_root)(m);
+            const float z = ISA(inverse_root)(m);
+            const float root = m * z * z;
 
-            z[j] = inverse;
-            c0[j] = m * inverse * inverse;
+            c0[j] = root;
+            e[j] = 1.0f - root * z;
         }
         EACH (j, LCOR_BLOCK)
-            c[j] = ISA(g_of)(c[j], c0[j], z[j]);
+            c[j] = ISA(g_of)(c[j], c0[j], e[j]);
     }
 }
 
