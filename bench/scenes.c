@@ -245,7 +245,7 @@ void bench_open_box(bench_scene *scene)
     box(scene, zero, one, 0, 1, 63 - 16, 0.7);
     for (int i = 0; i < 2; i++)
         box(scene, low[i], high[i], i ? -0.3 : 0.3, 0, 63, 0.7);
-    lamp(scene, 0.5, 0.5, 0.85, 5);
+    lamp(scene, 0.5, 0.5, 0.6, 5);
     spot = &scene->lights[0];
     spot->kind = LCOR_LIGHT_SPOT;
     spot->direction[2] = 1;

@@ -25,7 +25,7 @@ typedef struct bench_scene {
 void bench_furnished_room(bench_scene *scene, size_t triangles);
 /* 360 triangles: two rows of columns under four lamps. */
 void bench_hall(bench_scene *scene);
-/* 34 triangles: a box without front, two blocks in it, and a spotlight on a hand's breadth of the
+/* 34 triangles: a box without front, two blocks in it, and a spotlight on a tenth of the
  * ceiling, by which alone everything is lit. */
 void bench_open_box(bench_scene *scene);
 /* By name: "room", "hall", "box", "room1000" and so on. Returns 0 if there is none such. */

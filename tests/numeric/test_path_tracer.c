@@ -17,13 +17,13 @@ enum { SCENES = 20, PATHS = 12000 };
 enum { SCENES = 4, PATHS = 4000 };
 #endif
 
-enum { POINTS = 12, AVERAGES = 4, SAMPLES = POINTS + AVERAGES, PATCHES = 8 };
+enum { POINTS = 12, AVERAGES = 4, SAMPLES = POINTS + AVERAGES, PATCHES = 4 };
 
 static const double chance = 1e-6;
 
 /* Cluttered scenes cost engine links seconds: past this it answers with what it has and says how
  * good that is. */
-static const double seconds_enough = 1;
+static const double seconds_enough = 0.5;
 
 /* Largest |z| that n comparisons may show. */
 static double normal_bound(double n) { return sqrt(2 * log(n / chance)); }
@@ -235,6 +235,12 @@ static void engine_links_agrees_with_path_tracing(void **unused)
     check_engine(LCOR_ENGINE_LINKS, 0.03);
 }
 
+static void engine_gather_agrees_with_path_tracing(void **unused)
+{
+    (void)unused;
+    check_engine(LCOR_ENGINE_GATHER, 0.02);
+}
+
 /* A closed room of emission 1 and reflectance rho has B = 1 / (1 - rho) everywhere, E = B. */
 static void the_tracer_finds_the_white_furnace(void **unused)
 {
@@ -311,6 +317,7 @@ int main(void)
         cmocka_unit_test(the_tracer_finds_the_white_furnace),
         cmocka_unit_test(the_tracer_finds_form_factors),
         cmocka_unit_test(engine_links_agrees_with_path_tracing),
+        cmocka_unit_test(engine_gather_agrees_with_path_tracing),
     };
 
     return cmocka_run_group_tests_name("path tracer", tests, trace_all, NULL);
