@@ -2,10 +2,12 @@
 """Every file of examples/ runs as its first lines say."""
 
 import os
+import pickle
 import re
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import lcor
 import numpy as np
@@ -83,6 +85,25 @@ def test_the_readme_does_what_it_says(source, port, photo, tmp_path, environment
         assert (tmp_path / "".join(name)).stat().st_size > 100
     wallpaper = np.asarray(Image.open(tmp_path / "wallpaper.png"))
     assert wallpaper.shape == (200, 300, 3) and np.ptp(wallpaper) > 100
+
+
+def test_a_job_array_gives_the_bytes_of_one_machine(source, tmp_path, monkeypatch):
+    measure, merge, apply = blocks((source / "docs/cluster.md").read_text(), "python")
+    monkeypatch.chdir(tmp_path)
+    random = np.random.default_rng(0)
+    picture, light = random.random((40, 30, 3)), random.random((40, 30))
+    tiles = [slice(0, 7), slice(7, 40)]
+    names = {"lcor": lcor, "pickle": pickle, "Path": Path, "contrast": 23.4}
+    for job, rows in enumerate(tiles):
+        exec(measure, {**names, "job": job, "tile": picture[rows], "light": light[rows]})
+    exec(merge, names)
+    whole = lcor.Mean().add_picture(picture, light, reading="texel")
+    assert names["r_mean"] == whole.get() and names["total"].error() == whole.error() < 1e-4
+    expected = lcor.correct(picture, light, 23.4, reading="texel", r_mean=names["r_mean"])
+    for rows in tiles:
+        found = {**names, "tile": picture[rows], "light": light[rows]}
+        exec(apply, found)
+        np.testing.assert_array_equal(found["out"], expected[rows])
 
 
 def test_photograph(run, port, photo, tmp_path):
