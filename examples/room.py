@@ -22,8 +22,8 @@ FACES = {  # origin, edge_u, edge_v, colour (linear sRGB)
     "y1": ((0, 1, 0), (1, 0, 0), (0, 0, 1), (0.55, 0.55, 0.52)),
 }
 CAMERAS = {
-    "side": lcor.Camera.look((0.5, -1.2, 0.5), at=(0.5, 0.5, 0.45), size=(320, 240)),
-    "above": lcor.Camera.look((0.5, 0.4, 2.1), at=(0.5, 0.5, 0.0), up=(0, 1, 0), size=(320, 240)),
+    "side": lcor.Camera.look((0.5, -0.65, 0.5), at=(0.5, 0.5, 0.48), size=(320, 240)),
+    "above": lcor.Camera.look((0.5, 0.45, 1.65), at=(0.5, 0.5, 0.0), up=(0, 1, 0), size=(320, 240)),
 }
 
 
@@ -34,7 +34,7 @@ def main(folder: Path) -> None:
     scene = lcor.Scene()
     for (origin, u, v, _), reflectance in zip(FACES.values(), rho):
         scene.add_quad(origin, u, v, reflectance, patches=(50, 50))
-    scene.add_point_light((0.3, 0.4, 0.7), intensity=100.0)  # candela, so metres give lux
+    scene.add_point_light((0.45, 0.4, 0.6), intensity=100.0)  # candela, so metres give lux
     solution = lcor.solve_radiosity(scene, tolerance=0.005)
 
     views = {name: lcor.View(scene, camera, cull_back=True) for name, camera in CAMERAS.items()}
