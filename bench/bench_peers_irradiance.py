@@ -10,6 +10,7 @@ import csv
 import os
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import lcor
@@ -100,7 +101,28 @@ def run_lcor(truth: dict) -> list[list]:
 def run_mitsuba(truth: dict) -> list[list]:
     import mitsuba as mi
 
-    mi.set_variant("scalar_rgb")
+    rows = []
+    for variant, paths in (("scalar_rgb", (16, 64)), ("llvm_ad_rgb", (64, 1024))):
+        try:
+            mi.set_variant(variant)
+            irradiance = mitsuba_room()
+            irradiance(1)  # compiles its kernel
+        except (ImportError, RuntimeError) as error:
+            print(f"left out: Mitsuba's {variant}: {error}")
+            continue
+        for spp in paths:
+            start = time.process_time()
+            got = irradiance(spp)
+            seconds = time.process_time() - start
+            name = f"Mitsuba {mi.__version__} {variant.split('_')[0]}, {spp} paths"
+            rows.append([name, *errors(got, "E_avg", truth), seconds])
+    return rows
+
+
+def mitsuba_room() -> Callable[[int], dict[str, np.ndarray]]:
+    """The room in the variant that is set: paths a patch -> irradiance of each face."""
+    import mitsuba as mi
+
     to_world = mi.ScalarTransform4f
     scene: dict = {"type": "scene"}
     cameras = {}
@@ -128,7 +150,7 @@ def run_mitsuba(truth: dict) -> list[list]:
 
     def place(face: str, x: float, y: float) -> np.ndarray:
         """Where on the face, along u and v, a place of its picture lies."""
-        ray, _ = cameras[face].sample_ray(0.0, 0.0, mi.ScalarPoint2f(x, y), mi.ScalarPoint2f(0.5))
+        ray, _ = cameras[face].sample_ray(0.0, 0.0, mi.Point2f(x, y), mi.Point2f(0.5))
         origin, u, v, *_ = (np.array(a, float) for a in FACES[face])
         off = np.array(ray.o, float).ravel() - origin
         return np.array([off @ u, off @ v])
@@ -147,14 +169,7 @@ def run_mitsuba(truth: dict) -> list[list]:
             got[face] = image * np.pi / rho  # a diffuse surface: L = rho E / pi
         return got
 
-    rows = []
-    for spp in (16, 64):
-        start = time.process_time()
-        got = irradiance(spp)
-        seconds = time.process_time() - start
-        name = f"Mitsuba {mi.__version__} path, {spp} paths"
-        rows.append([name, *errors(got, "E_avg", truth), seconds])
-    return rows
+    return irradiance
 
 
 def run_radiance(truth: dict) -> list[list]:
