@@ -259,6 +259,47 @@ static void shadow_edges_are_exact_in_averages(void **state)
     check_near(sum[0], sum[1], 1e-4 * sum[1], "average of direct light");
 }
 
+/* A triangle under a grating of so many slats that they are not clipped at once: its average is the
+ * mean over its points, not what one of them sees. */
+static void many_occluders_shade_a_triangle_in_part(void **state)
+{
+    enum { SIDE = 20, SLATS = SIDE * SIDE, POINTS = 100000 };
+    const double a[3] = {0, 0, 0}, b[3] = {1, 0, 0}, c[3] = {0, 1, 0}, up[3] = {0, 0, 1};
+    const double slat_u[3] = {0.5 / SIDE, 0, 0}, slat_v[3] = {0, 0.6 / SIDE, 0};
+    lcor_scene *scene = NULL;
+    lcor_solution *solution;
+    lcor_surface look;
+    lcor_error err;
+    double average, mean = 0;
+
+    (void)state;
+    must(lcor_scene_new(NULL, &scene, &err), &err);
+    memset(&look, 0, sizeof look);
+    must(lcor_scene_add_triangle(scene, a, b, c, &look, NULL, &err), &err);
+    for (int i = 0; i < SLATS; i++) {
+        const double origin[3] = {(i % SIDE + 0.3) / SIDE, (i / SIDE + 0.2) / SIDE, 0.2};
+
+        must(lcor_scene_add_quad(scene, origin, slat_u, slat_v, &look, NULL, &err), &err);
+    }
+    add_lamp(scene, 0.4, 0.3, 1, 1);
+    commit(scene);
+    solution = solve(scene, 0.01, LCOR_NORM_RMS);
+    must(lcor_solution_patches(solution, 0, LCOR_VALUE_AVERAGE, NULL, &average, &err), &err);
+    for (int i = 0; i < POINTS; i++) { /* a sequence of low discrepancy, folded into the triangle */
+        double s = fmod((i + 1) * 0.7548776662466927, 1), t = fmod((i + 1) * 0.5698402909980532, 1);
+        double x[3], direct;
+
+        x[0] = s + t > 1 ? 1 - s : s;
+        x[1] = s + t > 1 ? 1 - t : t;
+        x[2] = 0;
+        must(lcor_solution_at(solution, 1, x, up, NULL, &direct, &err), &err);
+        mean += direct / POINTS;
+    }
+    check_near(average, mean, 2e-3 * mean, "direct light of the triangle");
+    lcor_solution_free(solution);
+    lcor_scene_free(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -272,6 +313,7 @@ int main(void)
         cmocka_unit_test(points_in_space_are_gathered),
         cmocka_unit_test(normals_of_any_length_are_taken_and_nonsense_is_refused),
         cmocka_unit_test(shadow_edges_are_exact_in_averages),
+        cmocka_unit_test(many_occluders_shade_a_triangle_in_part),
     };
 
     return cmocka_run_group_tests_name("radiosity", tests, NULL, NULL);

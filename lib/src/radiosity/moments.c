@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { DEPTH_MAX = 64, CLIP_DEPTH_MAX = 24 };
+enum { DEPTH_MAX = 64, CLIP_DEPTH_MAX = 8 };
 
 static double power8(double x)
 {

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { OCCLUDERS_MAX = 64 };
+enum { OCCLUDERS_MAX = SIGHT_CONES, HALVINGS = 8 };
 
 static const double gauss2[2] = {0.21132486540518711775, 0.78867513459481288225};
 
@@ -39,34 +39,47 @@ static void add(const quad_job *j, size_t row, size_t column, size_t n, const do
             out[k] += values[k / channels] * j->power[k % channels];
 }
 
-/* Average over a patch by quadrature that adapts to the light's distance and clips at shadows. */
-static double exact_average(const quad_job *j, size_t row, size_t column, const uint32_t *occluders,
-                            size_t count)
+/* Flux of a light of intensity 1 on a cell, clipped at what may hide it. Where that is too much,
+ * the cell is halved `depth` times until less is in the way of each part, or one ray decides. */
+static double flux_on(const light_set *set, const lcor_light *light, const face *f, const cell *c,
+                      const uint32_t *in, size_t in_count, double accuracy, int depth)
 {
-    const cell c = {(double)row / (double)j->nu, (double)column / (double)j->nv, 1 / (double)j->nu,
-                    1 / (double)j->nv};
-    double out[RULE_Q];
+    uint32_t occluders[OCCLUDERS_MAX];
+    double out[RULE_Q], sum = 0;
+    region r;
+    long count = 0;
     moments m;
 
-    moments_aim(&m, j->set->scene, j->light, &j->whole, occluders, count, j->accuracy);
-    return moments_of(&m, &c, out) / face_cell_area(&j->whole, &c);
-}
-
-/* Many surfaces in the way of one patch: rays to a grid of points. */
-static double sampled_average(const quad_job *j, size_t row, size_t column)
-{
-    double sum = 0;
-
-    for (int i = 0; i < RULE_Q; i++) {
+    if (in_count > 0) {
+        face_cell_corners(f, c, r.corners);
+        vec_copy(f->normal, r.normal);
+        count = occluders_of_light(set->scene, light, &r, in, in_count, occluders, OCCLUDERS_MAX);
+    }
+    if (count == OCCLUDERS_BLOCK)
+        return 0;
+    if (count == OCCLUDERS_CROWD && depth == 0) {
         double x[3], value;
 
-        face_point(&j->whole, ((double)row + rule_x[i / RULE_P]) / (double)j->nu,
-                   ((double)column + rule_x[i % RULE_P]) / (double)j->nv, x);
-        value = lcor_direct_unshadowed(j->light, x, j->whole.normal);
-        if (value > 0 && !lcor_direct_shadowed(j->set->scene, j->light, x, j->surface, NULL))
-            sum += rule_w[i / RULE_P] * rule_w[i % RULE_P] * value;
+        face_point(f, c->s0 + 0.5 * c->hs, c->t0 + 0.5 * c->ht, x);
+        value = lcor_direct_unshadowed(light, x, f->normal);
+        return value > 0 && !lcor_direct_shadowed(set->scene, light, x, f->surface, NULL)
+                   ? value * face_cell_area(f, c)
+                   : 0;
     }
-    return sum;
+    if (count == OCCLUDERS_CROWD) {
+        cell half = *c;
+
+        half.hs *= depth % 2 ? 0.5 : 1;
+        half.ht *= depth % 2 ? 1 : 0.5;
+        for (int i = 0; i < 2; i++) {
+            half.s0 = c->s0 + (depth % 2 ? i * half.hs : 0);
+            half.t0 = c->t0 + (depth % 2 ? 0 : i * half.ht);
+            sum += flux_on(set, light, f, &half, in, in_count, accuracy, depth - 1);
+        }
+        return sum;
+    }
+    moments_aim(&m, set->scene, light, f, occluders, (size_t)count, accuracy);
+    return moments_of(&m, c, out);
 }
 
 /* Points a side that the average over an unshadowed patch of the block needs: 1 or 2, or 0 if it
@@ -151,9 +164,10 @@ static void light_block(const quad_job *j, size_t r0, size_t r1, size_t c0, size
         for (size_t row = r0; row < r1; row++)
             clear_row(j, row, c0, c1, points);
     } else if (r1 - r0 == 1 && c1 - c0 == 1) {
-        const double value = count == OCCLUDERS_CROWD
-                                 ? sampled_average(j, r0, c0)
-                                 : exact_average(j, r0, c0, occluders, (size_t)count);
+        const int crowd = count == OCCLUDERS_CROWD;
+        const double value = flux_on(j->set, j->light, &j->whole, &block, crowd ? in : occluders,
+                                     crowd ? in_count : (size_t)count, j->accuracy, HALVINGS) /
+                             face_cell_area(&j->whole, &block);
 
         add(j, r0, c0, 1, &value);
     } else {
@@ -202,7 +216,6 @@ static void triangle_average(const light_set *set, const scene_surface *s, size_
     const cell all = {0, 0, 1, 1};
     double corner[3][3], u[3], v[3];
     face f;
-    region r;
 
     memset(&f, 0, sizeof f);
     for (int c = 0; c < 3; c++)
@@ -211,28 +224,16 @@ static void triangle_average(const light_set *set, const scene_surface *s, size_
     vec_sub(corner[2], corner[0], v);
     (void)face_set(&f, corner[0], u, v, 1);
     vec_copy(s->normal, f.normal);
-    vec_copy(s->normal, r.normal);
     f.surface = (uint32_t)surface;
-    face_cell_corners(&f, &all, r.corners);
     for (size_t i = 0; i < set->scene->lights.count; i++) {
         const lcor_light *light = scene_light_at(set->scene, i);
-        uint32_t occluders[OCCLUDERS_MAX];
-        const uint32_t *blockers;
-        double flux[RULE_Q], value;
         size_t candidates;
-        moments m;
-        long count = 0;
+        const uint32_t *blockers =
+            occluders_of(set->scene, light_in_solid(set->scene, light), &candidates);
+        const double value = flux_on(set, light, &f, &all, blockers, set->open[i] ? 0 : candidates,
+                                     accuracy, HALVINGS) /
+                             (0.5 * f.jacobian);
 
-        blockers = occluders_of(set->scene, light_in_solid(set->scene, light), &candidates);
-        if (!set->open[i])
-            count = occluders_of_light(set->scene, light, &r, blockers, candidates, occluders,
-                                       OCCLUDERS_MAX);
-        if (count == OCCLUDERS_BLOCK ||
-            (count == OCCLUDERS_CROWD &&
-             lcor_direct_shadowed(set->scene, light, corner[0], f.surface, NULL)))
-            continue;
-        moments_aim(&m, set->scene, light, &f, occluders, count > 0 ? (size_t)count : 0, accuracy);
-        value = moments_of(&m, &all, flux) / (0.5 * f.jacobian);
         for (int c = 0; c < set->channels; c++)
             out[c] += value * light_channel(set, light->intensity, c);
     }

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { DEPTH_MAX = 64, CLIP_DEPTH_MAX = 24 };
+enum { DEPTH_MAX = 64, CLIP_DEPTH_MAX = 8 };
 
 static const double inv_pi = 0.31830988618379067154;
 

@@ -9,7 +9,7 @@
 #include <string.h>
 
 /* Every pair of surfaces is looked at. */
-static const size_t surfaces_max = 2000;
+static const size_t surfaces_max = 600;
 
 typedef struct search {
     lcor_scene *scene;
