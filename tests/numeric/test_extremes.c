@@ -65,6 +65,36 @@ static void s2_no_reflectance_is_black_not_a_division(void **state)
         }
 }
 
+static void s2_rho_from_0_to_1_follows_eq_11(void **state)
+{
+    const double y = luminance(PINK);
+
+    (void)state;
+    for (int i = 0; i <= 120; i++) {
+        const double rho = i < 60 ? pow(10.0, i / 5.0 - 12.0) : (i - 59) / 61.0;
+        const double q = 0.3 + i / 100.0;
+        lcor_plan_options o = plain_options(LCOR_F64);
+        const double light = q * o.r_mean / rho,
+                     t = lcor_internal_display(q, 1.0, 0.5 + 1.0 / 22.4);
+        const float light32 = (float)light, rho32 = (float)rho;
+        const float rgb32[3] = {(float)PINK[0], (float)PINK[1], (float)PINK[2]};
+        double out[3];
+        float out32[3];
+        lcor_plan *plan = make_plan(&o);
+
+        lcor_correct_row(plan, 0, 1, PINK, &light, &rho, out, NULL);
+        check_near(luminance(out), fmin(t * y / rho, 1.0), 1e-14, "double");
+        lcor_plan_free(plan);
+        o = plain_options(LCOR_F32);
+        plan = make_plan(&o);
+        lcor_correct_row(plan, 0, 1, rgb32, &light32, &rho32, out32, NULL);
+        for (int k = 0; k < 3; k++)
+            out[k] = (double)out32[k];
+        check_near(luminance(out), fmin(t * y / rho, 1.0), 1e-6, "float");
+        lcor_plan_free(plan);
+    }
+}
+
 static void s3_all_dark_images_come_out_black(void **state)
 {
     (void)state;
@@ -170,6 +200,30 @@ static void s7_saturation_comes_only_at_white(void **state)
     assert_true(out[0] == 1.0 && out[1] == 1.0 && out[2] == 1.0);
 }
 
+/* Whatever the texel, even beyond white: its own luminance and chroma play no part. */
+static void s7_light_above_the_end_is_exactly_white(void **state)
+{
+    static const float texels[][3] = {
+        {1, 1, 1},    {1, 0, 0},       {0, 1, 0},     {0, 0, 1},    {1, 1, 0},
+        {2, 0.6f, 0}, {0.9f, 1.1f, 1}, {1e-3f, 0, 0}, {1e6f, 1, 0}, {1, 1.0000001f, 0.9999999f}};
+
+    (void)state;
+    for (size_t i = 0; i < 10; i++)
+        for (int g = 0; g < 2; g++) {
+            lcor_plan_options o = plain_options(LCOR_F32);
+            const float light = 1e9f;
+            float out[3];
+            lcor_plan *plan;
+
+            o.gamut = g == 0 ? LCOR_GAMUT_KEEP_HUE : LCOR_GAMUT_CLIP;
+            plan = make_plan(&o);
+            lcor_correct_row(plan, 0, 1, texels[i], &light, NULL, out, NULL);
+            for (int k = 0; k < 3; k++)
+                assert_true(out[k] == 1.0f);
+            lcor_plan_free(plan);
+        }
+}
+
 static void s8_contrast_from_1_to_infinity(void **state)
 {
     const double contrasts[] = {1.0 + 2.3e-16, 1.0 + 1e-9, 1.0 + 1e-6, 1.1,   2.0,
@@ -256,11 +310,13 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(s1_negative_beta_gives_black_continuously),
         cmocka_unit_test(s2_no_reflectance_is_black_not_a_division),
+        cmocka_unit_test(s2_rho_from_0_to_1_follows_eq_11),
         cmocka_unit_test(s3_all_dark_images_come_out_black),
         cmocka_unit_test(s4_q_from_1e_300_to_1e300_is_clamped),
         cmocka_unit_test(s5_chroma_factor_is_tame_around_l_0_and_8),
         cmocka_unit_test(s6_chroma_factor_is_tame_around_l_100),
         cmocka_unit_test(s7_saturation_comes_only_at_white),
+        cmocka_unit_test(s7_light_above_the_end_is_exactly_white),
         cmocka_unit_test(s8_contrast_from_1_to_infinity),
         cmocka_unit_test(s8_follows_the_stable_form_at_contrast_1_plus_1e_9),
         cmocka_unit_test(s10_subnormal_numbers_are_numbers)};

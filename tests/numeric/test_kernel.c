@@ -107,7 +107,8 @@ static void reference(const lcor_plan_options *options, const buffers *b, size_t
     lcor_plan_free(plan);
 }
 
-static void compare_float(const lcor_kernel *kernel, const buffers *b, size_t n, lcor_gamut gamut)
+static void compare_float(const lcor_kernel *kernel, const buffers *b, size_t n, lcor_gamut gamut,
+                          double mean_bound)
 {
     double worst = 0.0, worst_e = 0.0, sum_e = 0.0;
     lcor_colour c;
@@ -130,7 +131,7 @@ static void compare_float(const lcor_kernel *kernel, const buffers *b, size_t n,
     }
     print_message("%s %s: RGB %.3g, dE max %.3g mean %.3g\n", kernel->name,
                   gamut == LCOR_GAMUT_CLIP ? "clip" : "keep", worst, worst_e, sum_e / (double)n);
-    assert_true(sum_e / (double)n <= 2e-5);
+    assert_true(sum_e / (double)n <= mean_bound);
     assert_true(worst <= 3e-6);
     assert_true(worst_e <= 2e-4);
 }
@@ -154,12 +155,49 @@ static void float_pixels_follow_double(void **state)
                 lcor_correct_row(plan, 0, n, b->rgb, b->light, NULL, v == 0 ? b->out : b->again,
                                  NULL);
                 if (v == 0)
-                    compare_float(kernel, b, n, o.gamut);
+                    compare_float(kernel, b, n, o.gamut, 2e-5);
                 else
                     assert_memory_equal(b->again, b->out, 3 * n * sizeof *b->out);
             }
             lcor_plan_free(plan);
         }
+}
+
+/* Where the way from grey to the colour only grazes a face of the cube, rule S9's s feels every
+ * rounding error; saturated yellows near white divide by the smallest 1 - fy. These were off by up
+ * to 7e-4 while float fitted them itself. */
+static void grazing_and_yellow_pixels_follow_double(void **state)
+{
+    static const float pixels[][4] = {{0.9645281f, 0.9197868f, 0.0757908f, 0.756555f},
+                                      {0.97f, 0.97f, 0.1f, 0.746239f},
+                                      {0.97f, 0.97f, 0.11f, 0.748646f},
+                                      {0.9529668f, 0.8993782f, 0.0149132f, 0.758202f},
+                                      {0.9998268f, 0.8796093f, 0.0265874f, 0.725526f},
+                                      {0.9286671f, 0.975374f, 0.0811573f, 0.775346f},
+                                      {0.8719642f, 0.9915936f, 0.0400021f, 0.732648f},
+                                      {0.9983939f, 0.9375626f, 0.0137478f, 0.733895f}};
+    const buffers *b = *state;
+    const size_t n = sizeof pixels / sizeof pixels[0];
+    lcor_plan_options o = plain_options(LCOR_F32);
+    const lcor_kernel *kernel;
+
+    for (size_t i = 0; i < n; i++) {
+        memcpy(b->rgb + 3 * i, pixels[i], 3 * sizeof *b->rgb);
+        b->light[i] = pixels[i][3];
+    }
+    for (int g = 0; g < 2; g++) {
+        lcor_plan *plan;
+
+        o.gamut = g == 0 ? LCOR_GAMUT_KEEP_HUE : LCOR_GAMUT_CLIP;
+        plan = make_plan(&o);
+        reference(&o, b, n);
+        for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
+            force_kernel(plan, kernel);
+            lcor_correct_row(plan, 0, n, b->rgb, b->light, NULL, b->out, NULL);
+            compare_float(kernel, b, n, o.gamut, 1e-4);
+        }
+        lcor_plan_free(plan);
+    }
 }
 
 static void codes_are_at_most_one_off(void **state)
@@ -213,7 +251,7 @@ static void converted_texture_follows_double(void **state)
         lcor_correct_texture_row(plan, 0, n, f, PIXELS, b->light, NULL, v == 0 ? b->out : b->again,
                                  NULL);
         if (v == 0)
-            compare_float(kernel, b, n, LCOR_GAMUT_KEEP_HUE);
+            compare_float(kernel, b, n, LCOR_GAMUT_KEEP_HUE, 2e-5);
         else
             assert_memory_equal(b->again, b->out, 3 * n * sizeof *b->out);
     }
@@ -291,6 +329,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(f_is_within_9_1e_8),
                                        cmocka_unit_test(float_pixels_follow_double),
+                                       cmocka_unit_test(grazing_and_yellow_pixels_follow_double),
                                        cmocka_unit_test(codes_are_at_most_one_off),
                                        cmocka_unit_test(converted_texture_follows_double),
                                        cmocka_unit_test(stored_values_follow_double)};
