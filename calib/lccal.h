@@ -16,7 +16,7 @@ typedef enum lccal_exit {
     LCCAL_OK = 0,
     LCCAL_FAILED = 1,        /* the system refused: disk full, no memory, unreadable file */
     LCCAL_USAGE = 2,         /* command line */
-    LCCAL_NO_INSTRUMENT = 3, /* no such port, or nothing known on it */
+    LCCAL_NO_INSTRUMENT = 3, /* no such port, or nothing known is plugged in */
     LCCAL_PERMISSION = 4,    /* port or file may not be opened, or another program has it */
     LCCAL_PROTOCOL = 5,      /* the instrument was silent, vanished or spoke nonsense */
     LCCAL_REJECTED = 6,      /* readings are equal, mixed or implausible */
