@@ -179,7 +179,8 @@ def test_colorhug_fault_ends_the_measurement(tmp_path, fault, words):
 
 
 def test_colorhug_that_stays_silent(tmp_path):
-    run = colorhug(tmp_path / "p.cgats", "--fault", "silence", instrument="colorhug2")
+    run = colorhug(tmp_path / "p.cgats", "--fault", "silence", instrument="colorhug2",
+                   timeout=0.2)
     assert run.returncode == 5
     assert "stayed silent" in run.stderr
 
