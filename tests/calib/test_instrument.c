@@ -179,11 +179,14 @@ static void readings_among_the_replies_wait_their_turn(void **state)
     assert_int_equal(open_script("printalyzer",
                                  "w 0 GS V^M^J\nr 5 R+0.90D^M^J\nr 5 I/main: hello^M^J\n"
                                  "r 5 GS V,\"P\",\"v1\"^M^J\n"
-                                 "w 0 SM FORMAT,EXT^M^J\nr 5 R+0.90D^M^J\nr 5 SM FORMAT,OK^M^J\n"
+                                 "w 0 SM FORMAT,EXT^M^J\nr 5 R+0.90D^M^J\n"
+                                 "r 5 SM FORMAT,OK^M^JR+0.80D^M^J\n"
                                  "w 0 GS UID^M^J\nr 5 " LINE_1_37 "\nr 5 GS UID,01^M^J\n",
                                  &in),
                      CAL_OK);
     /* Those before the format was set are older than anything asked for. */
+    assert_int_equal(measure(&in, &r), CAL_OK);
+    check_near(r.value, 0.80, 1e-6, "density");
     assert_int_equal(measure(&in, &r), CAL_OK);
     check_near(r.value, 1.37, 1e-6, "density");
     assert_int_equal(measure(&in, &r), CAL_TIMEOUT);

@@ -94,11 +94,13 @@ static bool is_printable(const uint8_t *bytes, size_t n)
     return true;
 }
 
-/* Take the reply to `command` out of the buffer, leaving readings where they are and dropping
- * everything else (log lines, answers to other commands). False: it is not there yet. */
+/* Take the reply to `command` out of the buffer. Readings stay where they are once the format is
+ * set; those before are from before this program. Everything else is dropped (log lines, answers to
+ * other commands). False: it is not there yet. */
 static bool take_reply(instrument *in, const char *command, char *reply, size_t capacity)
 {
     const size_t asked = strlen(command);
+    const bool set_up = *instrument_fact_get(in, "format") != '\0';
     size_t at = 0;
     for (;;) {
         size_t start, length, used;
@@ -108,7 +110,7 @@ static bool take_reply(instrument *in, const char *command, char *reply, size_t 
             return false;
         reading unused;
         const bool is_line = line == PARSE_OK;
-        if (is_line && parse_line(bytes + start, length, &unused)) {
+        if (is_line && set_up && parse_line(bytes + start, length, &unused)) {
             at += used;
             continue;
         }
@@ -281,11 +283,6 @@ static cal_status identify(instrument *in, int timeout_ms, cal_error *err)
     /* Refusing the extended format is no failure: two decimals do. */
     const bool extended = strcmp(reply, "OK") == 0;
     instrument_fact_set(in, "format", extended ? "extended" : "basic", extended ? 8 : 5);
-    /* Readings in the basic format are older than the extended one. */
-    size_t start, length, used;
-    while (extended && line_split(in->buffer, in->have, &start, &length, &used) == PARSE_OK &&
-           length == BASIC_LENGTH)
-        instrument_drop(in, used);
     return interview(in, timeout_ms, err);
 }
 
