@@ -15,7 +15,6 @@ copyright = "the lcor authors, MIT licence"
 extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
-    "sphinx.ext.viewcode",
     "myst_parser",
     "breathe",
 ]
