@@ -61,7 +61,7 @@ def lines(table: dict) -> list[str]:
 
 #: A table that has one column of each is drawn too: what it costs, and how wrong it is.
 COSTS = ("ns/pixel", "seconds", "ms", "with patches, s")
-ERRORS = ("rms error", "largest dE", "dE max", "true rms", "rms")
+ERRORS = ("rms error", "largest dE", "true rms", "rms")
 
 
 def front(table: dict) -> list[str]:

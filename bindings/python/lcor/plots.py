@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 try:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.colors import ListedColormap, LogNorm
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
@@ -216,13 +217,18 @@ def adaptation(contrast: float = 23.4, exponents: Sequence[float] = (0.5, 1.0, 2
     return figure
 
 
+def _plain_log(axis: Axis, low: float, high: float) -> None:
+    """Numbers as people write them on a logarithmic axis too short for powers of ten."""
+    if high > 100 * low:
+        return
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high > 8 * low else range(1, 10)))
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
 def _plain_bar(figure: Figure, shown: Any, ax: Axes) -> Any:
-    """A legend of logarithmic colours with numbers as people write them."""
     bar = figure.colorbar(shown, ax=ax, shrink=0.85)
-    low, high = shown.norm.vmin, shown.norm.vmax
-    bar.ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high > 8 * low else range(1, 10)))
-    bar.ax.yaxis.set_minor_locator(NullLocator())
-    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    _plain_log(bar.ax.yaxis, shown.norm.vmin, shown.norm.vmax)
     return bar
 
 
@@ -506,6 +512,8 @@ def fronts(
         )
     ax.set_xlabel(cost)
     ax.set_ylabel(error)
+    for axis in (ax.xaxis, ax.yaxis):
+        _plain_log(axis, *axis.get_view_interval())
     ax.set_title(title, fontsize=10)
     figure.legend(loc="outside right upper", fontsize=8, frameon=False)
     return figure
