@@ -78,7 +78,7 @@ def front(table: dict) -> list[str]:
         if all(isinstance(row[i], (int, float)) and row[i] > 0 for i in (x, y)):
             name = row[0].split(",")[0] if isinstance(row[0], str) else "lcor"
             points.setdefault(name, []).append((row[x], row[y]))
-    if sum(map(len, points.values())) < 2:
+    if sum(map(len, points.values())) < 3:
         return []
     name = "-".join(re.findall(r"[a-z0-9]+", table["title"].lower())[:6])
     target = HERE / "images" / f"front-{name}.png"
