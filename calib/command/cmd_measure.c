@@ -57,18 +57,35 @@ static int check_options(const lccal_measure_options *o)
     return LCCAL_OK;
 }
 
+static int describe(lcor_profile *profile, const char *const print[3])
+{
+    static const char *const names[3] = {"MATERIAL", "SAMPLE_BACKING", "PRINT_CONDITIONS"};
+    int result = LCCAL_OK;
+    for (int i = 0; result == LCCAL_OK && i < 3; i++)
+        result = profile_describe(profile, names[i], print[i]);
+    return result;
+}
+
+/* A text that no profile can hold is refused before anybody measures. */
+static int check_description(const char *const print[3])
+{
+    lcor_profile *profile;
+    lcor_error err;
+    if (lcor_profile_new(NULL, &profile, &err) != LCOR_OK)
+        return lccal_fail(LCCAL_FAILED, "%s", err.text);
+    const int result = describe(profile, print);
+    lcor_profile_free(profile);
+    return result;
+}
+
 /* Everything between the open port and the stored profile. */
 static int measure_and_store(const lccal_measure_options *o, const char *output,
                              const char *const print[3])
 {
-    static const char *const names[3] = {"MATERIAL", "SAMPLE_BACKING", "PRINT_CONDITIONS"};
     lcor_profile *profile = NULL;
     int result = lccal_measure(o, &profile);
-    for (int i = 0; result == LCCAL_OK && i < 3; i++) {
-        lcor_error err;
-        if (print[i] && lcor_profile_keyword_set(profile, names[i], print[i], &err) != LCOR_OK)
-            result = lccal_fail(LCCAL_USAGE, "%s: %s", names[i], err.text);
-    }
+    if (result == LCCAL_OK)
+        result = describe(profile, print);
     if (result == LCCAL_OK)
         result = store(profile, output);
     lcor_profile_free(profile);
@@ -105,6 +122,8 @@ int cmd_measure(int argc, char **argv)
     if (argc > 1)
         return lccal_fail(LCCAL_USAGE, "'%s' is no subcommand; --help lists them", argv[1]);
     result = check_options(&o);
+    if (result == LCCAL_OK)
+        result = check_description(print);
     if (result != LCCAL_OK)
         return result;
     char found[128];

@@ -334,6 +334,7 @@ def test_nobody_answers_the_prompt(profile):
     (("--precision", "2", "--yes"), "--precision"),
     (("--positions", "4"), "--positions"),
     (("--ramp", "65"), "--ramp"),
+    (("--port", "script:/dev/null", "--material", 'a "b"'), "MATERIAL"),
     (("--port",), "wants a value"),
     (("--yes=1",), "takes no value"),
     (("frobnicate",), "no subcommand"),
