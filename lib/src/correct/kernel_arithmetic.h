@@ -51,13 +51,14 @@ INNER float ISA(inverse_root)(float m)
     return ISA(from_bits)(1419899955 - (int32_t)((float)ISA(bits)(m) * 0.333333333f));
 }
 
-INNER float ISA(g_of)(float t, float c0, float e)
+/* c0, e and the line of 1 - f */
+INNER float ISA(g_of)(float c0, float e, float line)
 {
     const float e2 = e * e;
     const float p = (0.6666666865f + e * 0.5555365086f) +
                     e2 * ((0.4938009381f + e * 0.4585397243f) + e2 * 0.4287317097f);
 
-    return (1.0f - c0) - ((c0 * e) * p + (t - ISA(above_knee)(t)) * 7.78703703f); /* 841/108 */
+    return (1.0f - c0) - ((c0 * e) * p + line);
 }
 
 #define G_BLACK 0.862068951f /* of 0 as the line above rounds it: 25/29 */

@@ -185,9 +185,10 @@ STAGE void ISA(g)(float *restrict c, size_t planes)
 
             c0[j] = root;
             e[j] = 1.0f - root * z;
+            c[j] = (c[j] - m) * 7.78703703f; /* 841/108 */
         }
         EACH (j, LCOR_BLOCK)
-            c[j] = ISA(g_of)(c[j], c0[j], e[j]);
+            c[j] = ISA(g_of)(c0[j], e[j], c[j]);
     }
 }
 
