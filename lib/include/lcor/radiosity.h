@@ -32,10 +32,12 @@ typedef enum lcor_norm {
     LCOR_NORM_MAX = 1  /**< the largest */
 } lcor_norm;
 
+/** How indirect light is found. Both give the same answers within the tolerance. */
 typedef enum lcor_engine {
-    LCOR_ENGINE_AUTO = 0,
-    LCOR_ENGINE_LINKS = 1,
-    LCOR_ENGINE_GATHER = 2
+    LCOR_ENGINE_AUTO = 0,  /**< links where nothing hides anything and surfaces are at most 512,
+                                or at most 64 in all; else gather */
+    LCOR_ENGINE_LINKS = 1, /**< exact factors and visibility, no noise; at most 2000 faces */
+    LCOR_ENGINE_GATHER = 2 /**< rays, for any number of surfaces; meant for 0.2 % and more */
 } lcor_engine;
 
 /** Zero it, set struct_size and what differs. */
