@@ -2,6 +2,8 @@
 /* What must hold for any scene: threads, scale, order, reuse; and the report's limits. */
 #include "rooms.h"
 
+#include <pthread.h>
+
 enum { N = 6, VALUES = ROOM_FACES * N * N };
 
 static void room_values(const lcor_solution *solution, double *out)
@@ -23,6 +25,82 @@ static void run_backwards(void *user, size_t n, void (*task)(void *arg, size_t i
     ++*(int *)user;
     while (n-- > 0)
         task(arg, n);
+}
+
+/* A parallel-for on real threads: each takes the next task until there is none. */
+typedef struct crew {
+    int threads, calls;
+    size_t n, next;
+    pthread_mutex_t lock;
+    void (*task)(void *arg, size_t i);
+    void *arg;
+} crew;
+
+static void *work(void *user)
+{
+    crew *c = user;
+
+    for (;;) {
+        size_t i;
+
+        pthread_mutex_lock(&c->lock);
+        i = c->next++;
+        pthread_mutex_unlock(&c->lock);
+        if (i >= c->n)
+            return NULL;
+        c->task(c->arg, i);
+    }
+}
+
+static void run_on_threads(void *user, size_t n, void (*task)(void *arg, size_t i), void *arg)
+{
+    crew *c = user;
+    pthread_t others[8];
+
+    c->calls++;
+    c->n = n;
+    c->next = 0;
+    c->task = task;
+    c->arg = arg;
+    for (int i = 1; i < c->threads; i++)
+        assert_int_equal(pthread_create(&others[i], NULL, work, c), 0);
+    (void)work(c);
+    for (int i = 1; i < c->threads; i++)
+        assert_int_equal(pthread_join(others[i], NULL), 0);
+}
+
+static void bits_do_not_depend_on_the_number_of_threads(void **state)
+{
+    static const int threads[] = {1, 2, 5};
+    double serial[VALUES], values[VALUES];
+    lcor_scene *scene = box_room();
+    lcor_solution *alone;
+    lcor_error err;
+
+    (void)state;
+    commit(scene);
+    alone = solve(scene, 0.03, LCOR_NORM_RMS);
+    room_values(alone, serial);
+    for (int k = 0; k < 3; k++) {
+        crew c = {threads[k], 0, 0, 0, PTHREAD_MUTEX_INITIALIZER, NULL, NULL};
+        lcor_radiosity_options options;
+        lcor_solution *solution = NULL;
+
+        memset(&options, 0, sizeof options);
+        options.struct_size = sizeof options;
+        options.tolerance = 0.03;
+        options.parallel.run = run_on_threads;
+        options.parallel.user = &c;
+        must(lcor_radiosity_solve(scene, &options, &solution, &err), &err);
+        room_values(solution, values);
+        assert_true(c.calls > 3);
+        assert_memory_equal(serial, values, sizeof serial);
+        assert_memory_equal(&lcor_solution_report(alone)->error_rms,
+                            &lcor_solution_report(solution)->error_rms, sizeof(double));
+        lcor_solution_free(solution);
+    }
+    lcor_solution_free(alone);
+    lcor_scene_free(scene);
 }
 
 static void bits_do_not_depend_on_the_order_of_tasks(void **state)
@@ -380,6 +458,7 @@ static void wrong_options_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bits_do_not_depend_on_the_number_of_threads),
         cmocka_unit_test(bits_do_not_depend_on_the_order_of_tasks),
         cmocka_unit_test(results_do_not_depend_on_the_unit_of_length),
         cmocka_unit_test(irradiance_is_linear_over_the_whole_range),

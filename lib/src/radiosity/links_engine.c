@@ -18,6 +18,9 @@ static const size_t faces_max = 2000;
  * what the near field and the solver may. */
 static const double link_share = 1, hidden_share = 0.15, near_share = 2, solver_share = 0.03;
 
+/* Below it two nodes a patch are not enough along edges. */
+static const double fine_tolerance = 5e-4;
+
 /* What a round that missed may change at most and at least. */
 static const double tighten_most = 0.1, tighten_least = 0.6;
 
@@ -120,7 +123,7 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
     l->eps =
         (s->scene->convex ? link_share : hidden_share) * tolerance * pow(tolerance / 0.01, 0.3);
     l->accuracy = near_share * tolerance;
-    l->finest = 1;
+    l->finest = tolerance >= fine_tolerance ? 1 : 0.5;
     l->hurry = l->cancelled = 0;
     for (int round = 0; round < ROUNDS_MAX; round++) {
         links_errors errors;
@@ -144,7 +147,8 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
             break;
         l->eps *=
             fmax(tighten_most, fmin(tighten_least, 0.7 * tolerance / wanted_error(s, &errors)));
-        l->finest *= 0.5;
+        if (round % 2 == 1) /* elements first, then smaller ones: the latter cost more */
+            l->finest *= 0.5;
     }
     describe(s);
     return LCOR_OK;
