@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "page.h"
 
+#include "memo.h"
 #include "pipeline.h"
 
 #include <errno.h>
@@ -18,6 +19,7 @@ typedef struct hand {
     float *light;          /* one row */
     double *r;             /* one row */
     unsigned char *spread; /* one grey row as RGB */
+    memo *seen;            /* colours met before, or NULL: the light varies */
     lcor_mean mean;
     lcor_row_stats stats;
 } hand;
@@ -33,6 +35,7 @@ typedef struct page {
     lcor_plan *band_plans[PIPELINE_SLOTS_MAX]; /* running mean: each band has its own */
     int spool;                                 /* the page between two passes, or -1 */
     hand hands[PIPELINE_WORKERS_MAX + 1];      /* the last one is the filling thread's */
+    bool repeats; /* one plan and the same light everywhere: equal colours stay equal */
 } page;
 
 /* ---- rows ---- */
@@ -199,7 +202,10 @@ static bool work_correct(void *user, size_t worker, pipeline_band *band)
         unsigned char *texels = prepare(p, h, y, row);
         if (!texels)
             return false;
-        lcor_correct_row(plan, y, format->width, texels, h->light, NULL, texels, &h->stats);
+        if (h->seen)
+            memo_correct_row(h->seen, plan, format->width, texels, h->light);
+        else
+            lcor_correct_row(plan, y, format->width, texels, h->light, NULL, texels, &h->stats);
         if (texels != row)
             gather_grey(format, texels, row);
     }
@@ -288,7 +294,9 @@ static bool make_hands(page *p)
         h->light = malloc(width * sizeof *h->light);
         h->r = malloc(width * sizeof *h->r);
         h->spread = p->format->samples == 1 ? malloc(width * 6) : NULL;
+        h->seen = p->repeats ? calloc(1, sizeof *h->seen) : NULL;
         if (!h->light || !h->r || (p->format->samples == 1 && !h->spread) ||
+            (p->repeats && !h->seen) ||
             !illuminance_rows_open(&h->light_rows, &p->job->map, width, p->format->height)) {
             filter_say("ERROR", "page %u: no memory for rows of %zu pixels", p->number, width);
             return false;
@@ -303,6 +311,7 @@ static void close_page(page *p)
         free(p->hands[i].light);
         free(p->hands[i].r);
         free(p->hands[i].spread);
+        free(p->hands[i].seen);
         illuminance_rows_close(&p->hands[i].light_rows);
     }
     for (size_t i = 0; i < PIPELINE_SLOTS_MAX; i++)
@@ -343,12 +352,14 @@ static void report(const page *p)
         sum.out_of_gamut += s->out_of_gamut;
         sum.non_finite += s->non_finite;
     }
-    filter_say("DEBUG",
-               "page %u: r_mean %.9g, contrast %.4g; of %llu pixels %llu too dark and %llu too "
-               "light for the device, %llu outside its gamut",
-               p->number, p->options.r_mean, p->options.contrast, (unsigned long long)sum.pixels,
-               (unsigned long long)sum.clipped_low, (unsigned long long)sum.clipped_high,
-               (unsigned long long)sum.out_of_gamut);
+    filter_say("DEBUG", "page %u: r_mean %.9g, contrast %.4g", p->number, p->options.r_mean,
+               p->options.contrast);
+    if (!p->repeats)
+        filter_say("DEBUG",
+                   "page %u: of %llu pixels %llu too dark and %llu too light for the device, %llu "
+                   "outside its gamut",
+                   p->number, (unsigned long long)sum.pixels, (unsigned long long)sum.clipped_low,
+                   (unsigned long long)sum.clipped_high, (unsigned long long)sum.out_of_gamut);
     if (sum.non_finite > 0)
         filter_say("WARNING",
                    "page %u: the illuminance map is negative or no number under %llu "
@@ -394,6 +405,8 @@ bool page_correct(const filter_job *job, unsigned number, const raster_format *f
         return copied;
     }
     set_options(p);
+    p->repeats = job->map.width == 0 && format->type == LCOR_U8 &&
+                 p->options.in_layout.pixel_step == 3 && (job->two_passes || !of_pixels);
     bool good = make_hands(p);
     bool (*fill)(void *, pipeline_band *) = fill_from_raster;
     if (good && of_pixels && job->two_passes) {

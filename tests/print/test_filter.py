@@ -150,6 +150,22 @@ def test_even_light_changes_no_byte_of_the_pixels(correct, tmp_path):
             assert np.array_equal(out.pixels, pixels)
 
 
+@pytest.mark.parametrize("space", [SRGB, W, K])
+def test_colours_met_before_come_out_as_if_each_pixel_were_computed(correct, tmp_path, space):
+    rng = np.random.default_rng(3)
+    pixels = rng.integers(0, 256, (700, 400, 3 if space == SRGB else 1), np.uint8)  # few repeat
+    pixels[:200] = 255
+    pixels[20:60] = rng.integers(0, 256, (12, pixels.shape[2]), np.uint8)[
+        rng.integers(0, 12, (40, 400))
+    ]
+    data = raster.write([Page(pixels, space)])
+    light = save_pfm(tmp_path / "map.pfm", np.ones((2, 2)))  # a map: every pixel is computed
+    options = "lcor-contrast=9 lcor-reading=texel lcor-mean=0.4"
+    seen, computed = correct(data, options), correct(data, f"{options} lcor-illuminance={light}")
+    assert seen.code == 0 and seen.out == computed.out and "pixels" not in seen.log
+    assert "of 280000 pixels" in computed.log
+
+
 def test_a_corrected_page_is_marked_and_not_corrected_again(correct):
     for kind in ("v3", "v2", "pwg"):
         once = correct(raster.write([Page(picture())], kind), "lcor-contrast=5 lcor-reading=texel")
