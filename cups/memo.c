@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "memo.h"
 
-/* A row where more than a third of the pixels had to be computed was slower for the looking, and so
- * would be the rows after it. */
-#define MISSES_WORTH 3
-#define PLAIN_ROWS   15
+/* A row where more than a third of the pixels are new is slower for the looking. The enlarged
+ * pixels of a photograph give one such row and then its repeats; after two in succession the next
+ * ones are corrected plainly. */
+#define NEW_WORTH  3
+#define PLAIN_ROWS 30
 
 static uint32_t load(const unsigned char *rgb)
 {
@@ -62,6 +63,9 @@ void memo_correct_row(memo *m, const lcor_plan *plan, size_t width, unsigned cha
     }
     if (count > 0)
         settle(m, plan, count, row, light);
-    if (missed > width / MISSES_WORTH)
+    m->poor_rows = missed > width / NEW_WORTH ? m->poor_rows + 1 : 0;
+    if (m->poor_rows == 2) {
+        m->poor_rows = 0;
         m->plain_rows = PLAIN_ROWS;
+    }
 }

@@ -17,6 +17,7 @@ typedef struct memo {
     uint64_t entries[1 << MEMO_BITS];        /* colour + 1 in the upper half, corrected below */
     unsigned char pending[3 * MEMO_PENDING]; /* colours that no entry holds ... */
     size_t at[MEMO_PENDING];                 /* ... and their pixels */
+    size_t poor_rows;                        /* in succession, of mostly new colours */
     size_t plain_rows; /* still to be corrected without looking: too many colours */
 } memo;
 
