@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Building, committing and asking scenes. */
 #include "rooms.h"
+#include "scene/scene_internal.h"
 
 static lcor_scene *empty(void)
 {
@@ -189,6 +190,43 @@ static void rays_report_surface_place_and_side(void **state)
     lcor_scene_free(scene);
 }
 
+/* A box on the floor is one solid though its bottom is missing; not if more is missing, or if
+ * something is inside it. */
+static void boxes_stand_in_the_light_as_one(void **state)
+{
+    static const double inner[3] = {0.5, 0.3, 0.1}, middle[3] = {0.6, 0.35, 0.2};
+    static const double step[2][3] = {{0.1, 0, 0}, {0, 0.1, 0}};
+
+    (void)state;
+    for (int kind = 0; kind < 3; kind++) {
+        lcor_scene *scene = paper_room(1);
+        lcor_error err;
+
+        if (kind < 2)
+            add_box(scene, paper_box_low, paper_box_high, 0.5, 1);
+        if (kind == 1)
+            must(lcor_scene_add_quad(scene, inner, step[0], step[1], NULL, NULL, &err), &err);
+        if (kind == 2) { /* a floor of its own and two of its sides */
+            must(lcor_scene_add_quad(scene, inner, step[1], step[0], NULL, NULL, &err), &err);
+            must(lcor_scene_add_quad(scene, inner, z, step[1], NULL, NULL, &err), &err);
+            must(lcor_scene_add_quad(scene, inner, step[0], z, NULL, NULL, &err), &err);
+        }
+        commit(scene);
+        assert_int_equal(scene->solids.count, kind == 0);
+        if (kind == 0) {
+            const scene_solid *solid = scene->solids.items;
+
+            assert_int_equal(solid->member_count, 5);
+            assert_int_equal(solid->plane_count, 6);
+            assert_int_equal(solid->edge_count, 12);
+            assert_int_equal(scene->blockers.count, 7); /* and the room's six faces */
+            assert_true(lcor_scene_in_solid(scene, middle));
+            assert_false(lcor_scene_in_solid(scene, z));
+        }
+        lcor_scene_free(scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -197,6 +235,7 @@ int main(void)
         cmocka_unit_test(patches_cover_their_surface),
         cmocka_unit_test(triangle_patches_have_the_documented_order),
         cmocka_unit_test(rays_report_surface_place_and_side),
+        cmocka_unit_test(boxes_stand_in_the_light_as_one),
     };
 
     return cmocka_run_group_tests_name("scene", tests, NULL, NULL);
