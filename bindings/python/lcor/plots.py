@@ -288,8 +288,9 @@ def hue_change(
     Examples
     --------
     >>> import lcor.plots
-    >>> lcor.plots.hue_change([0.5, 0.2, 0.3], [1.0, 0.4, 0.6], transfer="linear").round(9)
-    array(0.)
+    >>> change = lcor.plots.hue_change([[0.5, 0.2, 0.3]], [[0.5, 0.4, 0.1]], transfer="linear")
+    >>> change.round(1)
+    array([102.1])
     """
     lab = [lcor.rgb_to_lab(p, space, transfer=transfer) for p in (before, after)]
     change = np.degrees(np.asarray(lcor.hue(lab[1])) - np.asarray(lcor.hue(lab[0])))
