@@ -9,12 +9,12 @@ the root of the paths, its time at lcor's error follows from two measured number
 from __future__ import annotations
 
 import csv
+import os
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -66,16 +66,19 @@ def run_lcor(mesh: Mesh, truth: Reference, tolerance: float) -> tuple[float, flo
     for _, x, y, z, *_, intensity, _, _ in mesh.lights:
         scene.add_point_light((x, y, z), intensity)
     scene.commit()
-    with ThreadPoolExecutor(THREADS):
-        start = time.perf_counter()
-        solution = lcor.solve_radiosity(scene, tolerance, engine="gather", threads=THREADS)
-        got = solution.at(truth.points, truth.normals)
-        seconds = time.perf_counter() - start
+    start = time.process_time()
+    solution = lcor.solve_radiosity(scene, tolerance, engine="gather", threads=THREADS)
+    got = solution.at(truth.points, truth.normals)
+    seconds = time.process_time() - start
     return truth.error(got), seconds
 
 
 def mitsuba(mesh: Mesh, truth: Reference) -> Callable[[int], tuple[float, float]]:
     """A call that traces so many paths a point and returns true error and seconds."""
+    # Dr.Jit wants an LLVM newer than Debian 12's own: package libllvm19.
+    newest = sorted(Path("/usr/lib").glob("*/libLLVM*19*"))
+    if newest:
+        os.environ.setdefault("DRJIT_LIBLLVM_PATH", str(newest[-1]))
     import drjit as dr
     import mitsuba as mi
 
@@ -99,7 +102,7 @@ def mitsuba(mesh: Mesh, truth: Reference) -> Callable[[int], tuple[float, float]
     points = truth.points + 1e-5 * truth.normals
 
     def measure(paths: int) -> tuple[float, float]:
-        start = time.perf_counter()
+        start = time.process_time()
         index = dr.arange(mi.UInt32, count * paths) // paths
         at = dr.gather(mi.Point3f, mi.Point3f(points.T.astype(np.float32)), index)
         normal = dr.gather(mi.Normal3f, mi.Normal3f(truth.normals.T.astype(np.float32)), index)
@@ -111,7 +114,7 @@ def mitsuba(mesh: Mesh, truth: Reference) -> Callable[[int], tuple[float, float]
         sums = dr.zeros(mi.Float, count)
         dr.scatter_reduce(dr.ReduceOp.Add, sums, light[0], index)
         got = np.array(sums) * np.pi / paths + direct(mi, dr, scene, mesh, truth)
-        return truth.error(got), time.perf_counter() - start
+        return truth.error(got), time.process_time() - start
 
     return measure
 
@@ -171,8 +174,8 @@ def main() -> None:
                 "Triangle scenes beside Mitsuba 3",
                 "200 points by engine gather, solution included, and by Mitsuba's path integrator "
                 "with its LLVM variant; scene preparation and compilation left out, two threads "
-                "each, wall clock. The last column is Mitsuba's time at lcor's true error, taken "
-                "from its own error by the square root of paths, over lcor's time.",
+                "each, processor time of both. The last column is Mitsuba's time at lcor's true "
+                "error, taken from its own error by the square root of paths, over lcor's time.",
                 [
                     "scene",
                     "tolerance",
