@@ -202,9 +202,10 @@ double gather_sample_value(const gather *g, const gather_sample *sample, const d
 void gather_apply(void *arg, const double *in, double *out);
 /* How a leaf's rays are guided: NULL or `view`. */
 const guide_view *gather_leaf_view(const gather *g, const gather_leaf *leaf, guide_view *view);
-/* Ray `index` of a leaf in one of several sequences, leaving at `at`. */
-void gather_leaf_sample(const gather *g, size_t leaf, const guide_view *view, uint32_t index,
-                        uint32_t sequence, double at[2], gather_sample *out);
+/* Ray `index` of a leaf in one of several sequences, leaving at `at`. Returns 0 for a place that
+ * other rays do not come to. */
+int gather_leaf_sample(const gather *g, size_t leaf, const guide_view *view, uint32_t index,
+                       uint32_t sequence, double at[2], gather_sample *out);
 
 /* gather_query.c: the irradiance that is not direct, at a stand or as the average over a patch. */
 typedef struct gather_query {

@@ -11,12 +11,14 @@
 
 enum { ROUNDS_MAX = 5, SLICE = 128, SAMPLE = 64, MEAN_PLACES = 256 };
 
-/* Leaves wanted at a tolerance of 1 %. */
-static const double leaves_wanted = 100;
+/* Leaves wanted, and rays of one on average, at a tolerance of 1 %. */
+static const double leaves_wanted = 100, rays_wanted = 100;
 /* Rays a second, before any have been traced. */
 static const double rate_guess = 3e5;
 /* Samples that an answer may take, and those it may always take. */
 static const double samples_most = 1 << 18, samples_least = 128;
+/* An answer's part of the tolerance. */
+static const double stop_share = 0.85;
 /* Answers are not pursued further than this, and when a limit is met, than that. */
 static const double stop_least = 5e-4, stop_hurried = 0.01;
 /* Rays of one sample, about: to a target, on to the next surface, and from there. */
@@ -186,10 +188,10 @@ static void set_effort(gather *g, double tolerance)
 {
     g->effort.share = g->solution->options.norm == LCOR_NORM_RMS;
     g->effort.leaf_size = tolerance >= 0.008 ? 2 : 1.5;
-    g->effort.rays = fmin(fmax(64 * pow(0.01 / tolerance, 1.0), 16), 1024);
+    g->effort.rays = fmin(fmax(rays_wanted * 0.01 / tolerance, 16), 1024);
     g->effort.near = 0.5;
     g->effort.leaves = (size_t)(leaves_wanted * 0.01 / tolerance);
-    g->effort.stop = fmax(tolerance, stop_least);
+    g->effort.stop = fmax(stop_share * tolerance, stop_least);
 }
 
 static double wanted_error(const lcor_solution *s, const gather_errors *e)

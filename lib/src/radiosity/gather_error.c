@@ -30,6 +30,7 @@ static void residual_task(void *arg, size_t i)
     gather_leaf *l = gather_leaf_at(g, i);
     const size_t tries = (size_t)fmax(TRIES_LEAST, tries_share * (double)l->record_count) & ~1u;
     const size_t values = (size_t)g->channels * GATHER_TERMS;
+    double used[HALVES] = {0};
     guide_view view;
     const guide_view *guided;
 
@@ -41,14 +42,19 @@ static void residual_task(void *arg, size_t i)
         double *sum = job->half[k % HALVES] + l->slot * values, at[2];
         gather_sample sample;
 
-        gather_leaf_sample(g, i, guided, (uint32_t)(k / HALVES), 1 + (uint32_t)(k % HALVES), at,
-                           &sample);
+        l->rays++;
+        if (!gather_leaf_sample(g, i, guided, (uint32_t)(k / HALVES), 1 + (uint32_t)(k % HALVES),
+                                at, &sample))
+            continue;
+        used[k % HALVES]++;
         for (int c = 0; c < g->channels; c++)
-            sum[c * GATHER_TERMS] += (gather_sample_value(g, &sample, g->field, c) -
-                                      gather_field_at(g, (uint32_t)i, at, c)) *
-                                     HALVES / (double)tries;
+            sum[c * GATHER_TERMS] += gather_sample_value(g, &sample, g->field, c) -
+                                     gather_field_at(g, (uint32_t)i, at, c);
         l->rays += sample.rays;
     }
+    for (int h = 0; h < HALVES; h++)
+        for (size_t c = 0; c < values && used[h] > 0; c++)
+            job->half[h][l->slot * values + c] /= used[h];
 }
 
 /* The field's error e = r + K e for each half, in place of the residual. */
@@ -145,7 +151,8 @@ static void summarise(const verdict *verdicts, size_t n, gather_errors *out)
     out->bias /= count;
     out->noise = sqrt(noise / count);
     out->field = sqrt(fmax(square / count, 0));
-    out->rms = sqrt(out->noise * out->noise + out->field * out->field);
+    /* Squares of a sample spread: its upper end. */
+    out->rms = sqrt(out->noise * out->noise + out->field * out->field) * (1 + 1 / sqrt(count));
 }
 
 int gather_estimate(gather *g, size_t n, gather_errors *out)

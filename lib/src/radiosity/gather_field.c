@@ -191,8 +191,29 @@ const guide_view *gather_leaf_view(const gather *g, const gather_leaf *leaf, gui
     return guide_look(g, stand.x, stand.normal, g->mean, view) ? view : NULL;
 }
 
-void gather_leaf_sample(const gather *g, size_t leaf, const guide_view *view, uint32_t index,
-                        uint32_t sequence, double at[2], gather_sample *out)
+/* Rays read the field where they come from further than `near` leaf sizes. A place is one of those,
+ * by reciprocity, as often as a ray from it gets that far: what stands on a floor does not darken
+ * the floor around it. */
+static int comes_to_light(const gather *g, const gather_leaf *l, const gather_stand *stand,
+                          uint32_t seed)
+{
+    uint32_t state = seed;
+    double direction[3];
+    lcor_ray ray;
+
+    random_cosine(random_next(&state), random_next(&state), direction);
+    vec_copy(stand->x, ray.origin);
+    for (int k = 0; k < 3; k++)
+        ray.direction[k] = direction[0] * stand->u[k] + direction[1] * stand->v[k] +
+                           direction[2] * stand->normal[k];
+    ray.t_min = g->touch;
+    ray.t_max = 2 * g->effort.near * fmax(l->half[0], l->half[1]);
+    ray.skip = stand->surface;
+    return !lcor_bvh_occluded(g->scene->bvh, &ray, NULL);
+}
+
+int gather_leaf_sample(const gather *g, size_t leaf, const guide_view *view, uint32_t index,
+                       uint32_t sequence, double at[2], gather_sample *out)
 {
     const uint32_t seed = random_hash(4 * (uint32_t)leaf + sequence);
     double place[2];
@@ -200,7 +221,10 @@ void gather_leaf_sample(const gather *g, size_t leaf, const guide_view *view, ui
 
     sobol_point(&g->sobol, index, seed, 2, 2, place);
     gather_leaf_stand(g, gather_leaf_at(g, leaf), place[0], place[1], at, &stand);
+    if (!comes_to_light(g, gather_leaf_at(g, leaf), &stand, random_hash(seed + 5 + index)))
+        return 0;
     gather_sample_at(g, &stand, view, 0, index, seed, out);
+    return 1;
 }
 
 static void record_task(void *arg, size_t i)
@@ -209,18 +233,22 @@ static void record_task(void *arg, size_t i)
     gather_leaf *l = gather_leaf_at(g, i);
     const guide_view *guided;
     guide_view view;
+    size_t used = 0;
 
     l->rays = 0;
     if (l->terms == 0)
         return;
     guided = gather_leaf_view(g, l, &view);
     for (size_t k = 0; k < l->record_count; k++) {
-        gather_record *r = record_at(g, l->first_record + k);
-        const size_t value = (l->first_record + k) * (size_t)g->channels;
+        gather_record *r = record_at(g, l->first_record + used);
+        const size_t value = (l->first_record + used) * (size_t)g->channels;
         double at[2];
         gather_sample sample;
 
-        gather_leaf_sample(g, i, guided, (uint32_t)k, 0, at, &sample);
+        l->rays++;
+        if (!gather_leaf_sample(g, i, guided, (uint32_t)k, 0, at, &sample))
+            continue;
+        used++;
         for (int c = 0; c < 2; c++) {
             r->from[c] = (float)((at[c] - l->centre[c]) / l->half[c]);
             r->at[c] = (float)sample.at[c];
@@ -232,6 +260,8 @@ static void record_task(void *arg, size_t i)
         }
         l->rays += sample.rays;
     }
+    l->record_count = used;
+    l->terms = degree_terms(l);
     set_inverse(g, l);
 }
 

@@ -403,11 +403,20 @@ static lcor_status report_progress(build *b, double done, lcor_error *err)
     return LCOR_OK;
 }
 
+/* No finer than the noise of the solution's answers, which splitting would chase in vain. */
+static double wanted_tolerance(const build *b)
+{
+    const lcor_radiosity_report *report = lcor_solution_report(b->field->solution);
+    const double asked = b->options->tolerance > 0 ? b->options->tolerance : tolerance_default;
+
+    return report->engine == LCOR_ENGINE_GATHER ? fmax(asked, report->error_rms) : asked;
+}
+
 /* One round: samples the cells from b->first on and splits those that need it. */
 static lcor_status refine(build *b, lcor_error *err)
 {
     lcor_field *field = b->field;
-    double tolerance = b->options->tolerance > 0 ? b->options->tolerance : tolerance_default;
+    double tolerance = wanted_tolerance(b);
     const size_t end = field->cells.count;
     lcor_status status = LCOR_OK;
 
