@@ -5,6 +5,7 @@ import argparse
 import math
 import os
 import random
+import sys
 import time
 from typing import Optional
 
@@ -108,4 +109,9 @@ class Bench:
         if not text:
             raise Unplugged
         for word in text.split():
-            self.instrument.press(self.patches.spoil(float(word)))
+            try:
+                density = float(word)
+            except ValueError:
+                print(f"lcor.emulator: {word[:20]!r} is no density", file=sys.stderr)
+                continue
+            self.instrument.press(self.patches.spoil(density))
