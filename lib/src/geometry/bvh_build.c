@@ -396,10 +396,12 @@ static int build_tree(lcor_bvh *bvh, builder *b, size_t used, const lcor_paralle
             build_task(b, i);
     leaves = count_leaves(b->nodes, 0); /* a wide node has two children or is the root */
     bvh->exact = lcor_internal_alloc(&bvh->allocator, used * sizeof *bvh->exact);
-    bvh->nodes = lcor_internal_alloc(&bvh->allocator, leaves * sizeof *bvh->nodes);
-    bvh->blocks = lcor_internal_alloc(&bvh->allocator, leaves * sizeof *bvh->blocks);
-    if (!bvh->exact || !bvh->nodes || !bvh->blocks)
+    bvh->memory = lcor_internal_alloc(
+        &bvh->allocator, leaves * (sizeof *bvh->nodes + sizeof *bvh->blocks) + BVH_LINE);
+    if (!bvh->exact || !bvh->memory)
         return 0;
+    bvh->nodes = (bvh_node *)(((uintptr_t)bvh->memory + BVH_LINE - 1) / BVH_LINE * BVH_LINE);
+    bvh->blocks = (bvh_block *)(bvh->nodes + leaves);
     (void)collapse(bvh, b, 0, box_slack);
     return 1;
 }
@@ -446,8 +448,7 @@ void lcor_bvh_free(lcor_bvh *bvh)
     if (!bvh)
         return;
     lcor_internal_free(&bvh->allocator, bvh->exact);
-    lcor_internal_free(&bvh->allocator, bvh->nodes);
-    lcor_internal_free(&bvh->allocator, bvh->blocks);
+    lcor_internal_free(&bvh->allocator, bvh->memory);
     lcor_internal_free(&bvh->allocator, bvh);
 }
 

@@ -7,10 +7,13 @@
 
 enum { BVH_WIDTH = 8, BVH_BLOCK = 4, BVH_DEPTH_MAX = 72 };
 
+/* Nodes and blocks fill four cache lines each. */
+enum { BVH_LINE = 64 };
+
 /* child >= 0: a node; < 0: block ~child. Unused slots have empty boxes. */
 typedef struct bvh_node {
     float slab[6][BVH_WIDTH]; /* of the boxes: x low, x high, y low... */
-    int32_t child[BVH_WIDTH];
+    int32_t child[BVH_WIDTH], unused[BVH_WIDTH];
 } bvh_node;
 
 /* Up to four primitives side by side, number `first` and on. `slack` / |determinant| bounds how far
@@ -19,7 +22,7 @@ typedef struct bvh_block {
     float origin[3][BVH_BLOCK], u[3][BVH_BLOCK], v[3][BVH_BLOCK];
     float sum_max[BVH_BLOCK]; /* largest u + v: 1 triangle, 2 parallelogram, -1 unused */
     float slack[BVH_BLOCK];
-    uint32_t owner[BVH_BLOCK], first;
+    uint32_t owner[BVH_BLOCK], first, unused[15];
 } bvh_block;
 
 /* A primitive in the frame of the hierarchy, in the order of the blocks. */
@@ -45,6 +48,7 @@ struct lcor_bvh {
     lcor_allocator allocator;
     double centre[3], scale; /* (x - centre) scale lies in -1..1 */
     bvh_exact *exact;
+    void *memory; /* of nodes and blocks, which start at a cache line */
     bvh_node *nodes;
     bvh_block *blocks;
     size_t exact_count, node_count, block_count;
