@@ -12,7 +12,8 @@
 
 #include <math.h>
 
-enum { GATHER_TERMS = 6, GATHER_CHANNELS = 3 };
+/* GATHER_TRIES: places tried for one that rays come to. */
+enum { GATHER_TRIES = 8, GATHER_TERMS = 6, GATHER_CHANNELS = 3 };
 
 static const uint32_t gather_none = UINT32_MAX; /* no surface, side or leaf */
 

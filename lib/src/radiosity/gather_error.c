@@ -38,7 +38,7 @@ static void residual_task(void *arg, size_t i)
     if (l->terms == 0)
         return;
     guided = gather_leaf_view(g, l, &view);
-    for (size_t k = 0; k < tries; k++) {
+    for (size_t k = 0; used[0] + used[1] < (double)tries && k < GATHER_TRIES * tries; k++) {
         double *sum = job->half[k % HALVES] + l->slot * values, at[2];
         gather_sample sample;
 

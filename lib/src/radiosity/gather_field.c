@@ -19,6 +19,8 @@ static const double ridge = 0.004;
 static const double rays_least = 0.25, rays_most = 4;
 /* Least average whatever the limits. */
 static const double rays_fewest = 8;
+/* A ray that ends within this part of a leaf's half size has not got away. */
+static const double hemmed_in = 0.1;
 /* The solver's part of the tolerance. */
 static const double solver_share = 0.02;
 
@@ -191,9 +193,8 @@ const guide_view *gather_leaf_view(const gather *g, const gather_leaf *leaf, gui
     return guide_look(g, stand.x, stand.normal, g->mean, view) ? view : NULL;
 }
 
-/* Rays read the field where they come from further than `near` leaf sizes. A place is one of those,
- * by reciprocity, as often as a ray from it gets that far: what stands on a floor does not darken
- * the floor around it. */
+/* Rays read the field where they come from afar. A place is one of those, by reciprocity, as often
+ * as a ray from it gets away: what stands on a floor does not darken the floor around it. */
 static int comes_to_light(const gather *g, const gather_leaf *l, const gather_stand *stand,
                           uint32_t seed)
 {
@@ -207,7 +208,7 @@ static int comes_to_light(const gather *g, const gather_leaf *l, const gather_st
         ray.direction[k] = direction[0] * stand->u[k] + direction[1] * stand->v[k] +
                            direction[2] * stand->normal[k];
     ray.t_min = g->touch;
-    ray.t_max = 2 * g->effort.near * fmax(l->half[0], l->half[1]);
+    ray.t_max = hemmed_in * fmax(l->half[0], l->half[1]);
     ray.skip = stand->surface;
     return !lcor_bvh_occluded(g->scene->bvh, &ray, NULL);
 }
@@ -239,7 +240,7 @@ static void record_task(void *arg, size_t i)
     if (l->terms == 0)
         return;
     guided = gather_leaf_view(g, l, &view);
-    for (size_t k = 0; k < l->record_count; k++) {
+    for (size_t k = 0; used < l->record_count && k < GATHER_TRIES * l->record_count; k++) {
         gather_record *r = record_at(g, l->first_record + used);
         const size_t value = (l->first_record + used) * (size_t)g->channels;
         double at[2];
