@@ -174,8 +174,9 @@ static void requests(const char *name)
     if (!read_reference(name, &r) || !bench_scene_named(&scene, name))
         exit(1);
     library = bench_library_scene(&scene);
-    snprintf(title, sizeof title, "Engine gather, scene %s (%zu triangles): what a request costs",
-             name, scene.count);
+    snprintf(title, sizeof title,
+             "Engine gather: what a request costs, scene %s (%zu triangles, %zu dropped)", name,
+             scene.count, scene.dropped);
     report_table(
         title,
         "200 points and 100 whole triangles drawn by area, against path tracing whose own "

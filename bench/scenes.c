@@ -156,7 +156,7 @@ static void chair(bench_scene *scene, double x, double y)
 }
 
 /* A row of books between x and x + width on a board: of random thickness, height and colour. Every
- * fiftieth brings a triangle without area, as files do. */
+ * tenth brings a triangle without area, as files do. */
 static void books(bench_scene *scene, double x, double y, double z, double width, double height,
                   double depth, size_t count)
 {
@@ -171,7 +171,7 @@ static void books(bench_scene *scene, double x, double y, double z, double width
 
         block(scene, a, y + depth - in, z, d, in - gap, h,
               0.1 + 0.6 * bench_random(&scene->random));
-        if (i % 50 == 49)
+        if (i % 10 == 9)
             triangle(scene, edge, end, end, 0.5);
     }
 }
