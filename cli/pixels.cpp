@@ -100,37 +100,66 @@ void PixelRows::coverage(const uint8_t *row, std::vector<double> &out) const
 LuminanceSum::LuminanceSum(const lcor_colour &colour, const PixelRows &rows, size_t height)
     : colour_(colour), rows_(rows), luminance_(height), weight_(height)
 {
-    if (rows.kind() != LCOR_U8)
-        return;
+    const size_t levels = rows.kind() == LCOR_U8 ? 256 : rows.kind() == LCOR_U16 ? 65536 : 0;
+    for (size_t i = 0; i < levels; i++)
+        linear_.push_back(lcor_transfer_to_linear(&colour, static_cast<double>(i) /
+                                                               static_cast<double>(levels - 1)));
+}
+
+/* Sum of Y of integers none of which is transparent, the usual picture. */
+template <typename Sample> double LuminanceSum::sum_opaque(const uint8_t *row, size_t step) const
+{
+    const double *const m = colour_.to_xyz + 3;
+    const size_t green = rows_.grey() ? 0 : 1, blue = rows_.grey() ? 0 : 2;
+    const uint8_t *const end = row + rows_.bytes();
+    double sum = 0.0;
+    for (; row < end; row += step * sizeof(Sample)) {
+        Sample sample[3];
+        std::memcpy(&sample[0], row, sizeof(Sample));
+        std::memcpy(&sample[1], row + green * sizeof(Sample), sizeof(Sample));
+        std::memcpy(&sample[2], row + blue * sizeof(Sample), sizeof(Sample));
+        sum += m[0] * linear_[sample[0]] + m[1] * linear_[sample[1]] + m[2] * linear_[sample[2]];
+    }
+    return sum;
+}
+
+double LuminanceSum::linear(const uint8_t *row, size_t index) const
+{
+    if (rows_.kind() == LCOR_U8)
+        return linear_[row[index]];
+    if (rows_.kind() == LCOR_U16) {
+        uint16_t sample;
+        std::memcpy(&sample, row + index * sizeof sample, sizeof sample);
+        return linear_[sample];
+    }
+    return lcor_transfer_to_linear(&colour_, rows_.sample(row, index));
+}
+
+/* Y of any pixel; broken ones count as black, as the correction writes them. */
+double LuminanceSum::luminance(const uint8_t *row, size_t index) const
+{
+    double value = 0.0;
     for (size_t c = 0; c < 3; c++)
-        for (int i = 0; i < 256; i++)
-            table_[c].push_back(colour.to_xyz[3 + c] * lcor_transfer_to_linear(&colour, i / 255.0));
+        value += colour_.to_xyz[3 + c] * linear(row, index + (rows_.grey() ? 0 : c));
+    return value > 0.0 ? std::min(value, 1.0) : 0.0;
 }
 
 void LuminanceSum::add(size_t y, const uint8_t *row)
 {
     const size_t step = rows_.bytes() / rows_.type().size() / rows_.width();
-    const size_t green = rows_.grey() ? 0 : 1, blue = rows_.grey() ? 0 : 2;
-    std::vector<double> alpha;
+    if (!linear_.empty() && !rows_.has_alpha()) {
+        luminance_[y] = rows_.kind() == LCOR_U8 ? sum_opaque<uint8_t>(row, step)
+                                                : sum_opaque<uint16_t>(row, step);
+        weight_[y] = static_cast<double>(rows_.width());
+        return;
+    }
+    std::vector<double> alpha(rows_.width(), 1.0);
     if (rows_.has_alpha())
         rows_.coverage(row, alpha);
     double sum = 0.0, weight = 0.0;
     for (size_t x = 0; x < rows_.width(); x++) {
-        const size_t i = x * step;
-        double value = 0.0;
-        if (rows_.kind() == LCOR_U8) {
-            value = table_[0][row[i]] + table_[1][row[i + green]] + table_[2][row[i + blue]];
-        } else {
-            const size_t index[3] = {i, i + green, i + blue};
-            for (size_t c = 0; c < 3; c++)
-                value += colour_.to_xyz[3 + c] *
-                         lcor_transfer_to_linear(&colour_, rows_.sample(row, index[c]));
-            /* Broken pixels count as black, as the correction writes them. */
-            value = value > 0.0 ? std::min(value, 1.0) : 0.0;
-        }
-        const double a = alpha.empty() ? 1.0 : alpha[x];
-        sum += a * value;
-        weight += a;
+        sum += alpha[x] * luminance(row, x * step);
+        weight += alpha[x];
     }
     luminance_[y] = sum;
     weight_[y] = weight;

@@ -60,9 +60,13 @@ class LuminanceSum
     double mean() const; /* 0 for a picture nothing of which shows */
 
   private:
+    template <typename Sample> double sum_opaque(const uint8_t *row, size_t step) const;
+    double linear(const uint8_t *row, size_t index) const;
+    double luminance(const uint8_t *row, size_t index) const; /* Y of the pixel */
+
     const lcor_colour &colour_;
     const PixelRows &rows_;
-    std::vector<double> table_[3];           /* of 8-bit samples: a channel's part of Y */
+    std::vector<double> linear_;             /* of integer samples */
     std::vector<double> luminance_, weight_; /* per row, so that threads change no bit */
 };
 

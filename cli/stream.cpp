@@ -200,13 +200,19 @@ void MapReader::sample(const Band &band, size_t y, float *out) const
         std::copy_n(a, width_, out);
         return;
     }
+    /* Down the columns first: most maps are much smaller than the picture. */
     const float t = static_cast<float>(at - static_cast<double>(above));
-    const size_t step = columns > 1 ? 1 : 0;
+    struct Column {
+        float value, step; /* to the next column */
+    };
+    std::vector<Column> row(columns);
+    for (size_t i = 0; i < columns; i++)
+        row[i] = {a[i] + t * (b[i] - a[i]), 0.0F};
+    for (size_t i = 0; i + 1 < columns; i++)
+        row[i].step = row[i + 1].value - row[i].value;
     for (size_t x = 0; x < width_; x++) {
-        const size_t i = left_[x], j = i + step;
-        const float s = weight_[x];
-        const float upper = a[i] + s * (a[j] - a[i]), lower = b[i] + s * (b[j] - b[i]);
-        out[x] = upper + t * (lower - upper);
+        const Column &column = row[left_[x]];
+        out[x] = column.value + weight_[x] * column.step;
     }
 }
 
