@@ -12,7 +12,7 @@ import pytest
 from gltf_scene import Scene, png
 from lcor_run import DATA, LCOR, good, lcor, refused, report, write_pfm
 
-COMMANDS = ["correct", "irradiance", "room", "info", "bench", "render"]
+COMMANDS = ["correct", "irradiance", "room", "info", "bench", "render", "paper"]
 
 
 @pytest.fixture
@@ -50,6 +50,36 @@ def test_every_option_of_the_manual_is_one_of_the_program():
         word.replace("\\-", "-") for word in re.findall(r"\\-\\-[a-z\\-]+", manual.read_text())
     }
     assert named and {name for name in named if name not in helps} == set()
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_option_of_the_program_is_in_the_manual(command):
+    manual = (DATA.parent.parent / "cli/lcor.1").read_text().replace("\\-", "-")
+    options = re.findall(r"^  (--?[a-z-]+)", good(command, "--help").stdout, re.MULTILINE)
+    assert options
+    assert [name for name in options if not re.search(rf"{name}(?![a-z-])", manual)] == []
+
+
+def test_bash_completes_commands_options_and_their_words():
+    def completed(*words: str) -> list[str]:
+        script = (
+            "source \"$1\"; shift; COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1));"
+            ' _lcor; printf "%s\\n" "${COMPREPLY[@]}"'
+        )
+        source = DATA.parent.parent / "cli/completions/lcor.bash"
+        path = f"{LCOR.parent}:{os.environ['PATH']}"
+        run = subprocess.run(
+            ["bash", "-c", script, "bash", source, *words],
+            capture_output=True,
+            text=True,
+            env={**os.environ, "PATH": path},
+            check=True,
+        )
+        return run.stdout.split()
+
+    assert completed("lcor", "ren") == ["render"]
+    assert completed("lcor", "correct", "--ill") == ["--illuminance"]
+    assert completed("lcor", "render", "--reading", "") == ["patch", "texel"]
 
 
 @pytest.mark.parametrize(

@@ -68,9 +68,9 @@ static float box_area(const box *b)
 
 static int bin_of(float centre, float lo, float scale)
 {
-    const int bin = (int)((centre - lo) * scale);
+    const float bin = (centre - lo) * scale; /* of a width near FLT_MIN, scale is infinite */
 
-    return bin < 0 ? 0 : bin >= BINS ? BINS - 1 : bin;
+    return !(bin >= 1.0F) ? 0 : bin >= (float)BINS ? BINS - 1 : (int)bin;
 }
 
 typedef struct split {
