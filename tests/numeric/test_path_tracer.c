@@ -179,7 +179,7 @@ static verdict check_scene(int number, lcor_engine engine, double tolerance)
     options.struct_size = sizeof options;
     options.tolerance = tolerance;
     options.engine = engine;
-    options.max_seconds = seconds_enough;
+    options.max_seconds = engine == LCOR_ENGINE_LINKS ? seconds_enough : 0;
     if (lcor_radiosity_solve(scene, &options, &solution, &err) != LCOR_OK)
         fail_msg("scene %d: %s", number, err.text);
     channels = lcor_solution_report(solution)->channels;

@@ -69,7 +69,8 @@ static int find_field_error(gather *g, double *const half[HALVES])
         g->rays += gather_leaf_at(g, i)->rays;
     error = lcor_internal_alloc(g->allocator, (n + 1) * sizeof *error);
     for (int h = 0; ok && error && h < HALVES; h++) {
-        krylov k = {n, gather_apply, g, 0.05, ITERATIONS_MAX, 0};
+        krylov k = {
+            .n = n, .map = gather_apply, .arg = g, .tolerance = 0.05, .iterations = ITERATIONS_MAX};
 
         ok = krylov_solve(&k, g->allocator, half[h], error);
         memcpy(half[h], error, n * sizeof *error);

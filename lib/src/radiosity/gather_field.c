@@ -319,15 +319,17 @@ void gather_apply(void *arg, const double *in, double *out)
 
 static int solve_system(gather *g)
 {
-    krylov k = {
-        g->slots * (size_t)g->channels * GATHER_TERMS, gather_apply, g, 0, ITERATIONS_MAX, 0};
+    krylov k = {.n = g->slots * (size_t)g->channels * GATHER_TERMS,
+                .map = gather_apply,
+                .arg = g,
+                .tolerance = solver_share * g->solution->options.tolerance,
+                .iterations = ITERATIONS_MAX};
     double *right = lcor_internal_alloc(g->allocator, (k.n + 1) * sizeof *right);
     int ok;
 
     if (!right)
         return 0;
     gather_apply(g, NULL, right);
-    k.tolerance = solver_share * g->solution->options.tolerance;
     ok = krylov_solve(&k, g->allocator, right, g->field);
     g->contraction = k.contraction;
     g->iterations = k.iterations;

@@ -14,12 +14,18 @@ typedef struct hessenberg {
     double g[STEPS_MAX + 1];
 } hessenberg;
 
-static double product(size_t n, const double *a, const double *b)
+static double product(const krylov *k, const double *a, const double *b)
 {
+    const size_t group = k->weight ? k->group : k->n;
     double sum = 0;
 
-    for (size_t i = 0; i < n; i++)
-        sum += a[i] * b[i];
+    for (size_t first = 0, i = 0; first < k->n; first += group, i++) {
+        double part = 0;
+
+        for (size_t j = first; j < first + group; j++)
+            part += a[j] * b[j];
+        sum += k->weight ? k->weight[i] * part : part;
+    }
     return sum;
 }
 
@@ -68,11 +74,11 @@ static void arnoldi(const krylov *k, hessenberg *s, double *basis, int step)
     for (int j = 0; j <= step; j++) {
         const double *u = basis + (size_t)j * k->n;
 
-        s->h[j][step] = product(k->n, next, u);
+        s->h[j][step] = product(k, next, u);
         for (size_t i = 0; i < k->n; i++)
             next[i] -= s->h[j][step] * u[i];
     }
-    length = sqrt(product(k->n, next, next));
+    length = sqrt(product(k, next, next));
     s->h[step + 1][step] = length;
     for (size_t i = 0; length > 0 && i < k->n; i++)
         next[i] /= length;
@@ -82,26 +88,29 @@ static void arnoldi(const krylov *k, hessenberg *s, double *basis, int step)
 int krylov_solve(krylov *k, const lcor_allocator *allocator, const double *b, double *x)
 {
     const int most = k->iterations < STEPS_MAX ? k->iterations : STEPS_MAX;
-    const double norm = sqrt(product(k->n, b, b));
+    const double norm = sqrt(product(k, b, b));
     lcor_array basis = {0};
     hessenberg s = {{{0}}, {0}, {0}, {0}};
-    double beta;
+    double beta, enough;
     int step = 0;
 
     memcpy(x, b, k->n * sizeof *x);
     k->iterations = 0;
     k->contraction = 0;
+    k->bytes = 0;
     if (!(norm > 0))
         return 1;
     if (!lcor_array_reserve(allocator, &basis, k->n, sizeof *x))
         return 0;
     k->map(k->arg, b, basis.items); /* the residual of x = b */
-    beta = sqrt(product(k->n, basis.items, basis.items));
+    beta = sqrt(product(k, basis.items, basis.items));
     k->contraction = beta / norm;
     for (size_t i = 0; beta > 0 && i < k->n; i++)
         ((double *)basis.items)[i] /= beta;
     s.g[0] = beta;
-    while (step < most && fabs(s.g[step]) > k->tolerance * norm) {
+    /* what is left undone is mapped too */
+    enough = k->tolerance * (1 - fmin(k->contraction, 1 - 1e-6)) * norm;
+    while (step < most && fabs(s.g[step]) > enough) {
         basis.count = (size_t)(step + 1) * k->n;
         if (!lcor_array_reserve(allocator, &basis, k->n, sizeof *x)) {
             lcor_array_clear(allocator, &basis);
@@ -110,6 +119,7 @@ int krylov_solve(krylov *k, const lcor_allocator *allocator, const double *b, do
         arnoldi(k, &s, basis.items, step++);
     }
     combine(&s, step, k->n, basis.items, x);
+    k->bytes = basis.capacity * sizeof *x;
     lcor_array_clear(allocator, &basis);
     k->iterations = step;
     return 1;

@@ -11,9 +11,12 @@ typedef struct krylov {
     size_t n;
     void (*map)(void *arg, const double *x, double *out); /* out = K x */
     void *arg;
-    double tolerance;   /* of the residual, relative to b */
+    const double *weight; /* of the inner product, one for every `group` values; NULL: all are 1 */
+    size_t group;
+    double tolerance;   /* of x, relative to b */
     int iterations;     /* most, at most 60; afterwards those made */
     double contraction; /* set: |K b| / |b| */
+    size_t bytes;       /* set: held at once */
 } krylov;
 
 /* Fills x. Returns 0 without memory. */

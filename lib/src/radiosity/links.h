@@ -68,9 +68,9 @@ struct links {
     lcor_array irradiance, radiosity, source; /* double[RULE_Q * channels] an element */
     lcor_array deviation;                     /* double[RULE_Q * channels] an element: B - mean */
     lcor_array mean;                          /* double[channels] an element: mean B */
-    lcor_array krylov;
-    size_t leaf_count;
-    void (*poll)(links *l); /* called now and then: may set hurry or cancelled */
+    lcor_array work;                          /* double, of the solve */
+    size_t leaf_count, basis_bytes;           /* the second: of the last linear solve */
+    void (*poll)(links *l);                   /* called now and then: may set hurry or cancelled */
     void *poll_arg;
     unsigned polls;
     int hurry;             /* a limit is reached: link what is left as it is */

@@ -37,7 +37,8 @@ static uint64_t bytes_held(const links *l)
            (l->irradiance.capacity + l->radiosity.capacity + l->source.capacity +
             l->deviation.capacity) *
                sizeof(double) * values +
-           (l->mean.capacity * (size_t)l->channels + l->krylov.capacity) * sizeof(double);
+           (l->mean.capacity * (size_t)l->channels + l->work.capacity) * sizeof(double) +
+           l->basis_bytes;
 }
 
 static double wanted_error(const lcor_solution *s, const links_errors *e)

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* The linear system: indirect irradiance at the nodes of all leaves, solved by GMRES. */
 #include "base/internal.h"
+#include "radiosity/krylov.h"
 #include "radiosity/links.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { KRYLOV_MAX = 60, RECEIVERS = 8 };
+enum { RECEIVERS = 8 };
 
 static const double dark_share = 0.1;
 
@@ -173,22 +174,6 @@ static void transport(links *l, const double *closure, double *out)
         out[i] *= closure[i];
 }
 
-/* Area-weighted inner product. */
-static double product(const links *l, const double *weight, const double *a, const double *b)
-{
-    const size_t values = (size_t)(RULE_Q * l->channels);
-    double sum = 0;
-
-    for (size_t i = 0; i < l->leaf_count; i++) {
-        double part = 0;
-
-        for (size_t k = i * values; k < (i + 1) * values; k++)
-            part += a[k] * b[k];
-        sum += weight[i] * part;
-    }
-    return sum;
-}
-
 static void number_leaves(links *l, double *weight)
 {
     l->leaf_count = 0;
@@ -199,46 +184,6 @@ static void number_leaves(links *l, double *weight)
         if (weight && e->leaf >= 0)
             weight[e->leaf] = e->area;
     }
-}
-
-/* Least squares by Givens rotations, one new column at a time. */
-typedef struct hessenberg {
-    double h[KRYLOV_MAX + 1][KRYLOV_MAX], cosine[KRYLOV_MAX], sine[KRYLOV_MAX];
-    double g[KRYLOV_MAX + 1];
-} hessenberg;
-
-static void rotate(hessenberg *s, int k)
-{
-    double d;
-
-    for (int j = 0; j < k; j++) {
-        const double a = s->h[j][k], b = s->h[j + 1][k];
-
-        s->h[j][k] = s->cosine[j] * a + s->sine[j] * b;
-        s->h[j + 1][k] = s->cosine[j] * b - s->sine[j] * a;
-    }
-    d = sqrt(s->h[k][k] * s->h[k][k] + s->h[k + 1][k] * s->h[k + 1][k]);
-    s->cosine[k] = s->h[k][k] / d;
-    s->sine[k] = s->h[k + 1][k] / d;
-    s->h[k][k] = d;
-    s->g[k + 1] = -s->sine[k] * s->g[k];
-    s->g[k] *= s->cosine[k];
-}
-
-/* x += V y with H y = g */
-static void combine(hessenberg *s, int steps, size_t n, const double *basis, double *x)
-{
-    double y[KRYLOV_MAX];
-
-    for (int i = steps - 1; i >= 0; i--) {
-        y[i] = s->g[i];
-        for (int j = i + 1; j < steps; j++)
-            y[i] -= s->h[i][j] * y[j];
-        y[i] /= s->h[i][i];
-    }
-    for (int j = 0; j < steps; j++)
-        for (size_t i = 0; i < n; i++)
-            x[i] += y[j] * basis[(size_t)j * n + i];
 }
 
 /* How far the polynomial of a split element is from that of its half h, mean of the channels. */
@@ -341,67 +286,19 @@ static void find_seen(links *l, double *seen)
     collect(l, seen);
 }
 
-/* The work array: a weight a leaf, then vectors of n: what each node sees, or the closure that
- * makes it exactly all of the hemisphere; the right side; the solution; the basis. */
-enum { SEEN, RIGHT, SOLUTION, BASIS };
-
-typedef struct work {
+/* What each node sees, or the closure that makes it exactly all of the hemisphere. */
+typedef struct reflection {
     links *l;
-    size_t n;
     const double *closure; /* or NULL */
-    hessenberg s;
-} work;
+} reflection;
 
-static double *weights_of(const work *w) { return w->l->krylov.items; }
-
-static double *vector_of(const work *w, int i)
+/* What irradiance x causes by one more reflection. */
+static void reflect_once(void *arg, const double *x, double *out)
 {
-    return weights_of(w) + w->l->leaf_count + (size_t)i * w->n;
-}
+    const reflection *r = arg;
 
-static int need_vectors(work *w, int count)
-{
-    w->l->krylov.count = 0;
-    return lcor_array_reserve(&w->l->allocator, &w->l->krylov,
-                              w->l->leaf_count + (size_t)count * w->n, sizeof(double)) != NULL;
-}
-
-/* Room for more vectors, those there are kept. */
-static int grow_vectors(work *w, int basis)
-{
-    lcor_array *a = &w->l->krylov;
-    const size_t used = w->l->leaf_count + (size_t)(BASIS + basis - 8) * w->n;
-
-    a->count = used;
-    return lcor_array_reserve(&w->l->allocator, a, 8 * w->n, sizeof(double)) != NULL;
-}
-
-static double length_of(const work *w, const double *v)
-{
-    return sqrt(product(w->l, weights_of(w), v, v));
-}
-
-/* One step of Arnoldi's method: basis vector k + 1. */
-static void arnoldi(work *w, int k)
-{
-    double *v = vector_of(w, BASIS + k), *next = v + w->n, length;
-
-    set_radiosity(w->l, v, 0);
-    transport(w->l, w->closure, next);
-    for (size_t i = 0; i < w->n; i++)
-        next[i] = v[i] - next[i];
-    for (int j = 0; j <= k; j++) {
-        const double *u = vector_of(w, BASIS + j);
-
-        w->s.h[j][k] = product(w->l, weights_of(w), next, u);
-        for (size_t i = 0; i < w->n; i++)
-            next[i] -= w->s.h[j][k] * u[i];
-    }
-    length = length_of(w, next);
-    w->s.h[k + 1][k] = length;
-    for (size_t i = 0; length > 0 && i < w->n; i++)
-        next[i] /= length;
-    rotate(&w->s, k);
+    set_radiosity(r->l, x, 0);
+    transport(r->l, r->closure, out);
 }
 
 /* Closing hemispheres spreads what the links of dark senders, kept coarse, are in error over the
@@ -417,51 +314,46 @@ static int may_close(const links *l)
 
 int links_solve(links *l, double tolerance, int max_iterations)
 {
-    const int most = max_iterations < KRYLOV_MAX ? max_iterations : KRYLOV_MAX;
-    work w = {l, 0, NULL, {{{0}}, {0}, {0}, {0}}};
     const int closed = may_close(l);
-    double norm, beta = 0, *first, *seen;
-    int k = 0, capacity = 8;
+    const size_t group = (size_t)(RULE_Q * l->channels);
+    double *weight, *seen, *right, *solution;
+    reflection r = {l, NULL};
+    krylov k;
+    size_t n;
 
     number_leaves(l, NULL);
-    w.n = l->leaf_count * (size_t)(RULE_Q * l->channels);
-    l->mean.count = l->deviation.count = 0;
-    if (!need_vectors(&w, BASIS + capacity) ||
+    n = l->leaf_count * group;
+    l->work.count = l->mean.count = l->deviation.count = 0;
+    if (!lcor_array_reserve(&l->allocator, &l->work, l->leaf_count + 3 * n, sizeof(double)) ||
         !lcor_array_reserve(&l->allocator, &l->mean, l->elements.count,
                             (size_t)l->channels * sizeof(double)) ||
         !lcor_array_reserve(&l->allocator, &l->deviation, l->elements.count,
-                            (size_t)(RULE_Q * l->channels) * sizeof(double)))
+                            group * sizeof(double)))
         return 0;
-    number_leaves(l, weights_of(&w));
-    seen = vector_of(&w, SEEN);
+    weight = l->work.items;
+    seen = weight + l->leaf_count;
+    right = seen + n;
+    solution = right + n;
+    number_leaves(l, weight);
     find_seen(l, seen);
-    for (size_t i = 0; closed && i < w.n; i++)
+    for (size_t i = 0; closed && i < n; i++)
         seen[i] = 1 / seen[i];
-    w.closure = closed ? seen : NULL;
+    r.closure = closed ? seen : NULL;
     set_radiosity(l, NULL, 1);
-    transport(l, w.closure, vector_of(&w, RIGHT));
-    memcpy(vector_of(&w, SOLUTION), vector_of(&w, RIGHT), w.n * sizeof(double));
-    norm = length_of(&w, vector_of(&w, RIGHT));
-    if (norm > 0) { /* the residual of x = right side is one more reflection of it */
-        first = vector_of(&w, BASIS);
-        set_radiosity(l, vector_of(&w, RIGHT), 0);
-        transport(l, w.closure, first);
-        beta = length_of(&w, first);
-        for (size_t i = 0; beta > 0 && i < w.n; i++)
-            first[i] /= beta;
-    }
-    l->contraction = norm > 0 ? beta / norm : 0;
-    tolerance *= 1 - fmin(l->contraction, 1 - 1e-6); /* what is left undone is reflected too */
-    w.s.g[0] = beta;
-    while (k < most && fabs(w.s.g[k]) > tolerance * norm) {
-        if (k + 2 > capacity && !grow_vectors(&w, capacity += 8))
-            return 0;
-        w.closure = closed ? vector_of(&w, SEEN) : NULL;
-        arnoldi(&w, k++);
-    }
-    combine(&w.s, k, w.n, vector_of(&w, BASIS), vector_of(&w, SOLUTION));
-    l->iterations = k;
-    l->energy_defect = energy_defect(l, vector_of(&w, SOLUTION), vector_of(&w, SEEN));
-    accept_solution(l, vector_of(&w, SOLUTION));
+    transport(l, r.closure, right);
+    k = (krylov){.n = n,
+                 .map = reflect_once,
+                 .arg = &r,
+                 .weight = weight,
+                 .group = group,
+                 .tolerance = tolerance,
+                 .iterations = max_iterations};
+    if (!krylov_solve(&k, &l->allocator, right, solution))
+        return 0;
+    l->iterations = k.iterations;
+    l->contraction = k.contraction;
+    l->basis_bytes = k.bytes;
+    l->energy_defect = energy_defect(l, solution, seen);
+    accept_solution(l, solution);
     return 1;
 }

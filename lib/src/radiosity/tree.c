@@ -315,7 +315,7 @@ void links_clear(links *l)
 {
     lcor_array *arrays[] = {&l->faces,     &l->elements,  &l->list,       &l->blocks,
                             &l->occluders, &l->scratch,   &l->irradiance, &l->radiosity,
-                            &l->source,    &l->deviation, &l->mean,       &l->krylov};
+                            &l->source,    &l->deviation, &l->mean,       &l->work};
 
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         lcor_array_clear(&l->allocator, arrays[i]);
