@@ -223,7 +223,7 @@ static void normals_of_any_length_are_taken_and_nonsense_is_refused(void **state
     must(lcor_solution_at(solution, 2, points, normals, total, NULL, &err), &err);
     assert_true(total[0] > 0 && total[0] == total[1]);
     for (int k = 0; k < 6; k++) {
-        const double bad[3] = {NAN, INFINITY, -INFINITY};
+        const double bad[3] = {(double)NAN, HUGE_VAL, -HUGE_VAL};
         double p[6], n[6];
 
         memcpy(p, points, sizeof p);
