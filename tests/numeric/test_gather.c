@@ -212,6 +212,35 @@ static void no_light_leaks_through_a_thin_wall(void **state)
 }
 
 /* Thousands of slivers, as files have them: the floor as a fan of thin triangles. */
+/* Between a lamp and the ceiling close above it light goes to and fro as between endless planes.
+ * The two must not fill the field with leaves that only they see. */
+static void a_slit_does_not_eat_the_field(void **state)
+{
+    const double rho[ROOM_FACES] = {0.5, 0.5, 0.5, 0.5, 0.5, 0.5};
+    const double points[6] = {0.5, 0.5, 1, 0.2, 0.2, 0}, normals[6] = {0, 0, -1, 0, 0, 1};
+    lcor_scene *scene = new_scene();
+    const lcor_radiosity_report *report;
+    lcor_solution *solution;
+    double total[2];
+    lcor_error err;
+
+    (void)state;
+    add_room(scene, 1, rho, 0, 1);
+    add_square(scene, (double[3]){0.4, 0.4, 0.9984}, (double[3]){0.2, 0, 0}, (double[3]){0, 0.2, 0},
+               0.5, 1, 1);
+    commit(scene);
+    solution = gather(scene, 0.02);
+    must(lcor_solution_at(solution, 2, points, normals, total, NULL, &err), &err);
+    assert_true(fabs(total[0] - 4.0 / 3) < 0.03 * 4 / 3);
+    assert_true(total[1] > 0.01 && total[1] < 0.1);
+    report = lcor_solution_report(solution);
+    print_message("%lu leaves, %lu rays\n", (unsigned long)report->elements,
+                  (unsigned long)report->rays);
+    assert_true(report->converged && report->elements < 1000);
+    lcor_solution_free(solution);
+    lcor_scene_free(scene);
+}
+
 static void slivers_change_nothing(void **state)
 {
     double values[2][5 * N * N];
@@ -456,6 +485,7 @@ int main(void)
         cmocka_unit_test(requests_are_met_where_links_know_the_answer),
         cmocka_unit_test(emitters_agree_with_closed_forms),
         cmocka_unit_test(no_light_leaks_through_a_thin_wall),
+        cmocka_unit_test(a_slit_does_not_eat_the_field),
         cmocka_unit_test(slivers_change_nothing),
         cmocka_unit_test(bits_do_not_depend_on_the_order_of_tasks),
         cmocka_unit_test(an_update_agrees_with_a_new_solution),

@@ -122,6 +122,12 @@ static inline gather_leaf *gather_leaf_at(const gather *g, size_t i)
     return (gather_leaf *)g->leaves.items + i;
 }
 
+/* Whether a ray of that length is too short to read the leaf's field. */
+static inline int gather_is_near(const gather_leaf *l, double near, double distance)
+{
+    return !(distance > 2 * near * fmax(l->half[0], l->half[1]));
+}
+
 static inline gather_plane *gather_plane_at(const gather *g, size_t i)
 {
     return (gather_plane *)g->planes.items + i;

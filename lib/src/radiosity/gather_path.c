@@ -139,12 +139,8 @@ static int read_field(path *p, const gather_spot *spot, int depth)
     leaf = gather_leaf_of(g, spot->side, at);
     if (leaf == gather_none)
         return 0;
-    if (depth < DEPTH_MAX) {
-        const gather_leaf *l = gather_leaf_at(g, leaf);
-
-        if (!(spot->distance > 2 * p->near * fmax(l->half[0], l->half[1])))
-            return 0;
-    }
+    if (depth < DEPTH_MAX && gather_is_near(gather_leaf_at(g, leaf), p->near, spot->distance))
+        return 0;
     p->out->leaf = leaf;
     p->out->at[0] = at[0];
     p->out->at[1] = at[1];

@@ -251,16 +251,20 @@ void gather_leaf_stand(const gather *g, const gather_leaf *leaf, double a, doubl
 /* What a ray met: a side that reflects, or gather_none. */
 typedef struct sighting {
     uint32_t side;
-    double at[2];
+    double at[2], distance;
 } sighting;
 
 static void see(const gather *g, const gather_spot *spot, sighting *out)
 {
     out->side = spot && spot->reflects ? spot->side : gather_none;
-    if (out->side != gather_none)
-        gather_to_plane(gather_plane_at(g, out->side / 2), spot->stand.x, out->at);
+    if (out->side == gather_none)
+        return;
+    gather_to_plane(gather_plane_at(g, out->side / 2), spot->stand.x, out->at);
+    out->distance = spot->distance;
 }
 
+/* A leaf is hit by rays that would read its field: those from nearer go on as paths. Otherwise the
+ * two sides of a slit would split each other without end. */
 static void count_hits(gather *g, const sighting *seen, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
@@ -270,7 +274,8 @@ static void count_hits(gather *g, const sighting *seen, size_t count)
             continue;
         g->sides[seen[i].side].hits++;
         leaf = gather_leaf_of(g, seen[i].side, seen[i].at);
-        if (leaf != gather_none)
+        if (leaf != gather_none &&
+            !gather_is_near(gather_leaf_at(g, leaf), g->effort.near, seen[i].distance))
             gather_leaf_at(g, leaf)->hits++;
     }
     g->probes += count;
