@@ -269,10 +269,12 @@ static int is_closed(const links *l)
 
         face_point(at, 0.5, 0.5, x);
         for (size_t s = 0; s < l->faces.count; s++) {
+            const face *from = (const face *)l->faces.items + s;
             double corners[4][3];
 
-            face_cell_corners((const face *)l->faces.items + s, &all, corners);
-            sum += s == r ? 0 : lcor_factor_point(x, at->normal, 4, corners[0]);
+            face_cell_corners(from, &all, corners);
+            if (from->surface != at->surface) /* its own back lies in its plane */
+                sum += lcor_factor_point(x, at->normal, 4, corners[0]);
         }
         if (fabs(sum - 1) > 1e-9)
             return 0;
