@@ -18,11 +18,11 @@ struct PaperSetup {
     lcor_colour colour;     /* of eq 1 */
     explicit PaperSetup(double device_contrast);
     /* r of `illuminance` times `rho`; corrected or by eq 19. rgb: n pixels, linear, in place. */
-    void show(bool conventional, double r_mean, double rho, const std::vector<float> &illuminance,
-              std::vector<float> &rgb) const;
+    void show(bool conventional, double r_mean, double rho, const std::vector<double> &illuminance,
+              std::vector<double> &rgb) const;
     /* Display luminance over Jmax (eq 10). */
-    double luminance(const float *rgb) const;
-    void lab(const float *rgb, double out[3]) const;
+    double luminance(const double *rgb) const;
+    void lab(const double *rgb, double out[3]) const;
 };
 
 /* Illuminance of Figure 3 (b): a lamp before a wall, from 8^(2/3) under it to 8^(-1/2) in the

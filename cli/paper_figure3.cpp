@@ -18,7 +18,7 @@ constexpr double least_chroma = 2.0;
 
 struct Figure {
     size_t width, height;
-    std::vector<float> rgb; /* linear */
+    std::vector<double> rgb; /* linear */
 };
 
 void write_png(const std::string &path, const Figure &figure, const lcor_colour &stored)
@@ -31,7 +31,8 @@ void write_png(const std::string &path, const Figure &figure, const lcor_colour 
     std::vector<float> rgba(4 * figure.width, 1.0F);
     for (size_t y = 0; y < figure.height; y++) {
         for (size_t x = 0; x < figure.width; x++)
-            std::copy_n(&figure.rgb[3 * (y * figure.width + x)], 3, &rgba[4 * x]);
+            for (size_t c = 0; c < 3; c++)
+                rgba[4 * x + c] = static_cast<float>(figure.rgb[3 * (y * figure.width + x) + c]);
         encoder.row(rgba.data(), figure.width, &bytes[y * encoder.row_bytes(figure.width)]);
     }
     writer.write(0, figure.height, OIIO::TypeDesc::UINT8, bytes.data());
@@ -45,12 +46,12 @@ Json judge(const PaperSetup &setup, const Figure &texture, const Figure &shown)
     double worst = 0.0, squares = 0.0;
     size_t judged = 0, saturated = 0;
     for (size_t i = 0; i < n; i++) {
-        const float *const rgb = &shown.rgb[3 * i];
+        const double *const rgb = &shown.rgb[3 * i];
         double before[3], after[3];
         setup.lab(&texture.rgb[3 * i], before);
         setup.lab(rgb, after);
         saturated +=
-            std::max({rgb[0], rgb[1], rgb[2]}) >= 1.0F && std::min({rgb[0], rgb[1], rgb[2]}) < 1.0F;
+            std::max({rgb[0], rgb[1], rgb[2]}) >= 1.0 && std::min({rgb[0], rgb[1], rgb[2]}) < 1.0;
         if (lcor_chroma(before) < least_chroma || lcor_chroma(after) < least_chroma)
             continue;
         const double turn = std::fabs(hue_difference(after, before));
@@ -76,21 +77,21 @@ Json paper_figure3(const PaperSetup &setup, const Image &image, const std::strin
           error, Exit::failed, "colour");
     const size_t n = image.width * image.height;
     const bool colours = image.channels >= 3;
-    Figure texture = {image.width, image.height, std::vector<float>(3 * n)};
+    Figure texture = {image.width, image.height, std::vector<double>(3 * n)};
     Figure map = texture;
-    std::vector<float> illuminance(n);
+    std::vector<double> illuminance(n);
     double rho = 0.0;
     for (size_t y = 0; y < image.height; y++)
         for (size_t x = 0; x < image.width; x++) {
             const size_t i = y * image.width + x;
-            illuminance[i] = static_cast<float>(paper_illuminance(
+            illuminance[i] = paper_illuminance(
                 (static_cast<double>(x) + 0.5) / static_cast<double>(image.width),
-                (static_cast<double>(y) + 0.5) / static_cast<double>(image.height)));
+                (static_cast<double>(y) + 0.5) / static_cast<double>(image.height));
             for (size_t c = 0; c < 3; c++) {
                 const double linear =
                     lcor_transfer_to_linear(&stored, image.sample(x, y, colours ? c : 0));
-                texture.rgb[3 * i + c] = static_cast<float>(linear);
-                map.rgb[3 * i + c] = illuminance[i] / 4.0F;
+                texture.rgb[3 * i + c] = linear;
+                map.rgb[3 * i + c] = illuminance[i] / 4.0;
                 rho += setup.colour.to_xyz[3 + c] * linear / static_cast<double>(n);
             }
         }

@@ -11,7 +11,7 @@ namespace cli
 namespace
 {
 
-constexpr float colour_of_table4[3] = {250.0F / 255.0F, 50.0F / 255.0F, 150.0F / 255.0F};
+constexpr double colour_of_table4[3] = {250.0 / 255.0, 50.0 / 255.0, 150.0 / 255.0};
 /* Steps of equal ratio from 8^-3/2 to 8^3/2. */
 constexpr int steps = 1200;
 constexpr double decades = 3.0; /* powers of 8 from end to end */
@@ -36,9 +36,9 @@ double illuminance_of(size_t step)
 
 Curve sweep(const PaperSetup &setup, bool conventional, double r_mean, double rho)
 {
-    std::vector<float> illuminance, rgb;
+    std::vector<double> illuminance, rgb;
     for (size_t i = 0; i <= steps; i++) {
-        illuminance.push_back(static_cast<float>(illuminance_of(i)));
+        illuminance.push_back(illuminance_of(i));
         rgb.insert(rgb.end(), colour_of_table4, colour_of_table4 + 3);
     }
     setup.show(conventional, r_mean, rho, illuminance, rgb);
@@ -138,7 +138,7 @@ Json paper_figure5(const PaperSetup &setup, const std::string &folder)
 {
     double rho = 0.0;
     for (size_t c = 0; c < 3; c++)
-        rho += setup.colour.to_xyz[3 + c] * static_cast<double>(colour_of_table4[c]);
+        rho += setup.colour.to_xyz[3 + c] * colour_of_table4[c];
     const double r_mean = rho * paper_mean();
     const Curve conventional = sweep(setup, true, r_mean, rho),
                 corrected = sweep(setup, false, r_mean, rho);

@@ -26,7 +26,7 @@ PaperSetup::PaperSetup(double device_contrast) : contrast(device_contrast)
 }
 
 void PaperSetup::show(bool conventional, double r_mean, double rho,
-                      const std::vector<float> &illuminance, std::vector<float> &rgb) const
+                      const std::vector<double> &illuminance, std::vector<double> &rgb) const
 {
     lcor_plan_options options = {};
     options.struct_size = sizeof options;
@@ -34,6 +34,7 @@ void PaperSetup::show(bool conventional, double r_mean, double rho,
     options.r_mean = r_mean;
     options.rho = rho;
     options.colour = &colour;
+    options.in_type = options.out_type = options.map_type = LCOR_F64;
     lcor_plan *plan = nullptr;
     lcor_error error = {};
     check(lcor_plan_new(&options, &plan, &error), error, Exit::usage, "correction");
@@ -44,25 +45,23 @@ void PaperSetup::show(bool conventional, double r_mean, double rho,
         return;
     }
     /* rho I of eq 19 on the scale where an illuminance of 1 shows the texture as it is */
-    const std::vector<float> whole(illuminance.size(), 1.0F);
+    const std::vector<double> whole(illuminance.size(), 1.0);
     lcor_conventional_row(plan, 0, illuminance.size(), rgb.data(), illuminance.data(), whole.data(),
                           rgb.data(), nullptr);
 }
 
-double PaperSetup::luminance(const float *rgb) const
+double PaperSetup::luminance(const double *rgb) const
 {
     double y = 0.0;
     for (size_t c = 0; c < 3; c++)
-        y += colour.to_xyz[3 + c] * static_cast<double>(rgb[c]);
+        y += colour.to_xyz[3 + c] * rgb[c];
     return (1.0 + y * (contrast - 1.0)) / contrast;
 }
 
-void PaperSetup::lab(const float *rgb, double out[3]) const
+void PaperSetup::lab(const double *rgb, double out[3]) const
 {
-    const double wide[3] = {static_cast<double>(rgb[0]), static_cast<double>(rgb[1]),
-                            static_cast<double>(rgb[2])};
     double xyz[3];
-    lcor_xyz_from_rgb(&colour, wide, xyz);
+    lcor_xyz_from_rgb(&colour, rgb, xyz);
     lcor_lab_from_xyz(&colour, xyz, out);
 }
 
