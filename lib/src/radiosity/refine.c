@@ -10,10 +10,14 @@
 static const double pi = 3.14159265358979323846;
 
 /* Where a link's form factor is compared with its interpolation over the receiver: the ends of
- * either axis, which tell along which one the receiver is too long, and two corners. */
-enum { TESTS = 6, POLL_EVERY = 64 };
-static const double test_s[TESTS] = {0.02, 0.98, 0.5, 0.5, 0.02, 0.98};
-static const double test_t[TESTS] = {0.5, 0.5, 0.02, 0.98, 0.02, 0.98};
+ * either axis, which tell along which one the receiver is too long, and two corners. Where the
+ * sender is close, also the place under its middle: it may light nothing else. */
+enum { ENDS = 6, TESTS = ENDS + 1, POLL_EVERY = 64 };
+static const double end_s[ENDS] = {0.02, 0.98, 0.5, 0.5, 0.02, 0.98};
+static const double end_t[ENDS] = {0.5, 0.5, 0.02, 0.98, 0.02, 0.98};
+
+/* Close: this part of the receiver's size. */
+static const double close_by = 0.3;
 
 /* Part of a defect seen in the worst corner that is left in the norm, and the part of a sender's
  * roughness that is left after integration. */
@@ -76,43 +80,6 @@ static void nearest(const links_element *a, const links_element *b, double out[3
         out[k] = fmax(a->low[k], fmin(a->high[k], b->centre[k]));
 }
 
-/* The receiver oracle: the form factor interpolated from the receiver's nodes against itself. */
-static void measure(const links *l, links_link *p)
-{
-    const links_element *r = links_at(l, p->receiver), *s = links_at(l, p->sender);
-    const face *fr = links_face_of(l, r), *fs = links_face_of(l, s);
-    double x[RULE_Q + TESTS][3], value[RULE_Q + TESTS];
-
-    for (int k = 0; k < RULE_Q; k++)
-        face_point(fr, r->c.s0 + rule_x[k / RULE_P] * r->c.hs,
-                   r->c.t0 + rule_x[k % RULE_P] * r->c.ht, x[k]);
-    for (int i = 0; i < TESTS; i++)
-        face_point(fr, r->c.s0 + test_s[i] * r->c.hs, r->c.t0 + test_t[i] * r->c.ht, x[RULE_Q + i]);
-    if (p->occluder_count > 0 ||
-        !transfer_factors(l->scene, fr, RULE_Q + TESTS, x, fs, &s->c, value))
-        for (int i = 0; i < RULE_Q + TESTS; i++) {
-            transfer t;
-
-            transfer_aim(&t, l->scene, x[i], fr->normal, fs,
-                         (const uint32_t *)l->occluders.items + p->first_occluder,
-                         p->occluder_count, l->accuracy);
-            value[i] = transfer_factor(&t, &s->c);
-        }
-    p->defect[0] = p->defect[1] = p->defect[2] = 0;
-    for (int i = 0; i < TESTS; i++) {
-        double at_s[RULE_P], at_t[RULE_P];
-        float defect;
-
-        rule_values(test_s[i], at_s);
-        rule_values(test_t[i], at_t);
-        defect = (float)fabs(value[RULE_Q + i] - rule_interpolate(value, at_s, at_t));
-        if (i < 4 && defect > p->defect[i / 2])
-            p->defect[i / 2] = defect;
-        if (defect > p->defect[2])
-            p->defect[2] = defect;
-    }
-}
-
 /* Longer side of an element. */
 static int long_axis(const links *l, const links_element *e)
 {
@@ -122,6 +89,66 @@ static int long_axis(const links *l, const links_element *e)
     vec_sub(corners[2], corners[3], a);
     vec_sub(corners[2], corners[1], b);
     return vec_dot(b, b) > (double)unequal * vec_dot(a, a) ? 1 : 0;
+}
+
+/* Places of the tests on the receiver; returns how many. */
+static size_t place_tests(const links *l, const links_element *r, const links_element *s,
+                          double at[TESTS][2])
+{
+    const face *f = links_face_of(l, r);
+    double d[3], distance, foot[2];
+
+    for (int i = 0; i < ENDS; i++) {
+        at[i][0] = end_s[i];
+        at[i][1] = end_t[i];
+    }
+    vec_sub(s->centre, f->origin, d);
+    distance = vec_dot(d, f->normal);
+    if (distance * distance > close_by * close_by * r->area)
+        return ENDS;
+    face_coordinates(f, s->centre, &foot[0], &foot[1]);
+    at[ENDS][0] = (foot[0] - r->c.s0) / r->c.hs;
+    at[ENDS][1] = (foot[1] - r->c.t0) / r->c.ht;
+    return at[ENDS][0] > 0 && at[ENDS][0] < 1 && at[ENDS][1] > 0 && at[ENDS][1] < 1 ? TESTS : ENDS;
+}
+
+/* The receiver oracle: the form factor interpolated from the receiver's nodes against itself. */
+static void measure(const links *l, links_link *p)
+{
+    const links_element *r = links_at(l, p->receiver), *s = links_at(l, p->sender);
+    const face *fr = links_face_of(l, r), *fs = links_face_of(l, s);
+    double x[RULE_Q + TESTS][3], value[RULE_Q + TESTS], at[TESTS][2];
+    const size_t tests = place_tests(l, r, s, at);
+
+    for (int k = 0; k < RULE_Q; k++)
+        face_point(fr, r->c.s0 + rule_x[k / RULE_P] * r->c.hs,
+                   r->c.t0 + rule_x[k % RULE_P] * r->c.ht, x[k]);
+    for (size_t i = 0; i < tests; i++)
+        face_point(fr, r->c.s0 + at[i][0] * r->c.hs, r->c.t0 + at[i][1] * r->c.ht, x[RULE_Q + i]);
+    if (p->occluder_count > 0 ||
+        !transfer_factors(l->scene, fr, RULE_Q + tests, x, fs, &s->c, value))
+        for (size_t i = 0; i < RULE_Q + tests; i++) {
+            transfer t;
+
+            transfer_aim(&t, l->scene, x[i], fr->normal, fs,
+                         (const uint32_t *)l->occluders.items + p->first_occluder,
+                         p->occluder_count, l->accuracy);
+            value[i] = transfer_factor(&t, &s->c);
+        }
+    p->defect[0] = p->defect[1] = p->defect[2] = 0;
+    for (size_t i = 0; i < tests; i++) {
+        const size_t axis = i == ENDS ? (size_t)long_axis(l, r) : i / 2;
+        double at_s[RULE_P], at_t[RULE_P];
+        float defect;
+
+        rule_values(at[i][0], at_s);
+        rule_values(at[i][1], at_t);
+        defect = (float)fabs(value[RULE_Q + i] - rule_interpolate(value, at_s, at_t));
+        if (axis < 2 && defect > p->defect[axis])
+            p->defect[axis] = defect;
+        if (defect > p->defect[2])
+            p->defect[2] = defect;
+    }
 }
 
 /* Defect of the receiver that splitting it along *axis would mend, times `scale`. */
