@@ -34,8 +34,8 @@ typedef enum lcor_norm {
 
 /** How indirect light is found. Both give the same answers within the tolerance. */
 typedef enum lcor_engine {
-    LCOR_ENGINE_AUTO = 0,  /**< links where nothing hides anything and surfaces are at most 512,
-                                or at most 64 in all; else gather */
+    LCOR_ENGINE_AUTO = 0,  /**< links for up to 512 surfaces where nothing hides anything, else for
+                                up to 12, or 64 below a tolerance of 0.2 %; gather beyond */
     LCOR_ENGINE_LINKS = 1, /**< exact factors and visibility, no noise; at most 2000 faces */
     LCOR_ENGINE_GATHER = 2 /**< rays, for any number of surfaces; meant for 0.2 % and more */
 } lcor_engine;

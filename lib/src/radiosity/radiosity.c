@@ -74,12 +74,13 @@ static lcor_status check_options(lcor_radiosity_options *o, lcor_error *err)
     return LCOR_OK;
 }
 
-/* Links compare surfaces pair by pair, and clip what is hidden: right for rooms of few surfaces. */
-static const engine *choose_engine(const lcor_scene *scene, lcor_engine wanted)
+/* Links compare surfaces pair by pair, and clip what is hidden: right for rooms of few surfaces,
+ * and where more is asked for than rays can give. */
+static const engine *choose_engine(const lcor_scene *scene, const lcor_radiosity_options *options)
 {
-    const size_t links_most = scene->convex ? 512 : 64;
+    const size_t links_most = scene->convex ? 512 : options->tolerance < 2e-3 ? 64 : 12;
 
-    switch (wanted) {
+    switch (options->engine) {
     case LCOR_ENGINE_LINKS: return &engine_links;
     case LCOR_ENGINE_GATHER: return &engine_gather;
     case LCOR_ENGINE_AUTO: break;
@@ -143,7 +144,7 @@ lcor_status lcor_radiosity_solve(const lcor_scene *scene, const lcor_radiosity_o
     s->allocator = own;
     s->scene = scene;
     s->options = o;
-    s->engine = choose_engine(scene, o.engine);
+    s->engine = choose_engine(scene, &o);
     s->lights.scene = scene;
     memcpy(s->lights.luminance, o.luminance, sizeof s->lights.luminance);
     s->lights.open = lcor_internal_alloc(&own, scene->lights.count);
