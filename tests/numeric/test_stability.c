@@ -276,6 +276,35 @@ static void an_open_scene_lets_light_escape(void **state)
     assert_true(o.converged && o.mean > 1 && o.mean < lamp_mean);
 }
 
+/* As between endless planes: E = M / (1 - rho^2). At the ends and corners of the ceiling nothing of
+ * it is to be seen. */
+static void a_lamp_close_under_a_ceiling_lights_it(void **state)
+{
+    const double low[3] = {0.4, 0.4, 0.9984}, u[3] = {0.2, 0, 0}, v[3] = {0, 0.2, 0};
+    const double point[3] = {0.5, 0.5, 1}, down[3] = {0, 0, -1};
+    lcor_scene *scene = room_of(0.5, 0);
+    lcor_solution *solution;
+    lcor_surface lamp;
+    lcor_error err;
+    double total;
+
+    (void)state;
+    memset(&lamp, 0, sizeof lamp);
+    lamp.two_sided = 1;
+    for (int c = 0; c < 3; c++) {
+        lamp.reflectance[c] = 0.5;
+        lamp.emission[c] = 1;
+    }
+    must(lcor_scene_add_quad(scene, low, u, v, &lamp, NULL, &err), &err);
+    commit(scene);
+    solution = solve(scene, 0.02, LCOR_NORM_RMS);
+    assert_int_equal(lcor_solution_report(solution)->engine, LCOR_ENGINE_LINKS);
+    must(lcor_solution_at(solution, 1, point, down, &total, NULL, &err), &err);
+    assert_true(fabs(total - 4.0 / 3) < 0.02 * 4 / 3);
+    lcor_solution_free(solution);
+    lcor_scene_free(scene);
+}
+
 /* A wall with two sides: the lit side is bright, the other one sees only what comes around it. */
 static void a_two_sided_wall_has_two_irradiances(void **state)
 {
@@ -318,6 +347,7 @@ int main(void)
         cmocka_unit_test(coplanar_duplicates_are_bounded),
         cmocka_unit_test(a_fan_of_triangles_is_a_floor),
         cmocka_unit_test(an_open_scene_lets_light_escape),
+        cmocka_unit_test(a_lamp_close_under_a_ceiling_lights_it),
         cmocka_unit_test(a_two_sided_wall_has_two_irradiances),
     };
 
