@@ -90,6 +90,7 @@ void print_json(Json document);
 
 std::optional<double> parse_number(const std::string &text); /* finite, the whole text */
 std::string number_text(double value);                       /* shortest that reads back equal */
+std::string short_text(double value);                        /* four digits, to be read by people */
 std::vector<std::string> split(const std::string &text, char separator);
 /* "1,2,3" as exactly `count` finite numbers; Exit::usage names `what` otherwise. */
 std::vector<double> parse_numbers(const std::string &text, size_t count, const std::string &what);

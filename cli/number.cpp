@@ -29,6 +29,14 @@ std::string number_text(double value)
     return error == std::errc() ? std::string(buffer, end) : std::string();
 }
 
+std::string short_text(double value)
+{
+    char buffer[32];
+    const auto [end, error] =
+        std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general, 4);
+    return error == std::errc() ? std::string(buffer, end) : std::string();
+}
+
 std::vector<std::string> split(const std::string &text, char separator)
 {
     std::vector<std::string> parts;

@@ -159,7 +159,7 @@ void render_scene(const RenderOptions &render, const std::string &command)
         write_aov(aov, {picture, developer, render.correction, device, r_mean}, provenance);
     say("%s: %zu x %zu, %s for contrast %s", render.output.c_str(), picture.width(),
         picture.height(), render.correction.conventional ? "conventional method" : "corrected",
-        number_text(device.contrast).c_str());
+        short_text(device.contrast).c_str());
     lcor_field_report field;
     lcor_field_get_report(picture.field(), &field);
     Json document = {{"output", render.output},

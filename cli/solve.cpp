@@ -44,7 +44,7 @@ SolutionPointer solve(const Scene &scene, const SolveOptions &options, Threads &
     const lcor_radiosity_report *const report = lcor_solution_report(solution);
     if (!report->converged)
         warn("radiosity stopped at an estimated error of %s (rms), %s was asked for",
-             number_text(report->error_rms).c_str(), number_text(options.tolerance).c_str());
+             short_text(report->error_rms).c_str(), number_text(options.tolerance).c_str());
     return owner;
 }
 
