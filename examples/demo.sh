@@ -11,7 +11,7 @@ mkdir -p "$out"
 # 1. A printer of contrast 23.4 (section 5.1), seen through an emulated Printalyzer densitometer that
 #    waits on a pseudo-terminal as the real one does on /dev/ttyACM0.
 PYTHONPATH=$here/../bindings/python "$python" -m lcor.emulator --model printalyzer --contrast 23.4 \
-    --noise 0.003 --auto-press 5 --once >"$out/.port" </dev/null &
+    --auto-press 5 --once >"$out/.port" </dev/null &
 emulator=$!
 trap 'kill "$emulator" 2>/dev/null || true; rm -f "$out/.port"' EXIT
 until [[ -s $out/.port ]]; do sleep 0.05; done
