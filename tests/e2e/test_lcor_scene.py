@@ -66,6 +66,8 @@ def test_cornell_box_solves_and_keeps_its_power(tmp_path):
         tmp_path / "e.csv",
         "--tolerance",
         "0.2",
+        "--engine",
+        "links",
         "--max-seconds",
         20,
     )
