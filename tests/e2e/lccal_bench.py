@@ -160,10 +160,14 @@ class Session:
         self.process.communicate()
 
 
-def together(call, cases):
-    """{case: call(case)}: cases that spend their time waiting do so side by side."""
+def together(call, cases, factory):
+    """{case: call(case, folder)}: cases that spend their time waiting do so side by side.
+
+    Each has a folder of its own, made beforehand since pytest's factory is not for threads.
+    """
+    folders = [factory.mktemp("-".join(case)) for case in cases]
     with ThreadPoolExecutor(len(cases)) as pool:
-        return dict(zip(cases, pool.map(call, cases)))
+        return dict(zip(cases, pool.map(call, cases, folders)))
 
 
 def keyword(path, name):

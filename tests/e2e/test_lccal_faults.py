@@ -79,16 +79,16 @@ ENDING_FAULTS = {
 @pytest.fixture(scope="module")
 def ended(tmp_path_factory):
     """All of them at once, since most wait for something that never comes."""
-    def end(case):
+    def end(case, folder):
         instrument, fault = case
-        profile = earlier_profile(tmp_path_factory.mktemp(instrument))
+        profile = earlier_profile(folder)
         model = "printalyzer" if instrument == "auto" else instrument
         seconds = 0.2 if fault == "silence" else 2  # time for all that comes at all
         run = measure(profile, "--model", model, "--fault", fault, timeout=seconds,
                       options=("--instrument", instrument))
         return run, profile
 
-    return together(end, ENDING_FAULTS)
+    return together(end, ENDING_FAULTS, tmp_path_factory)
 
 
 @pytest.mark.parametrize("case", ENDING_FAULTS, ids="-".join)

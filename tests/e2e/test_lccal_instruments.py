@@ -64,14 +64,14 @@ NO_READINGS.append(("xrite-400", "colour-only"))  # nothing of the visual filter
 @pytest.fixture(scope="module")
 def unread(tmp_path_factory):
     """All of them at once, since each waits for a reading that never comes."""
-    def wait(case):
+    def wait(case, folder):
         preset, fault = case
-        profile = tmp_path_factory.mktemp(preset) / "p.cgats"
+        profile = folder / "p.cgats"
         run = measure(profile, "--model", f"line:{preset}", "--fault", fault,
                       instrument=f"line:{preset}", readings=1, timeout=2)
         return run, profile
 
-    return together(wait, NO_READINGS)
+    return together(wait, NO_READINGS, tmp_path_factory)
 
 
 @pytest.mark.parametrize("case", NO_READINGS, ids="-".join)
