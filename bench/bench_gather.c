@@ -9,18 +9,18 @@
  * The second writes the scene for other programs: lines "light kind x y z dx dy dz intensity inner
  * outer", then "rho ax ay az bx by bz cx cy cz" for each triangle. References are looked for in
  * tests/data/reference below the current folder; reference_gather makes them. */
+#include "crew.h"
 #include "report.h"
 #include "scenes.h"
 
 #include <lcor/radiosity.h>
 
 #include <math.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { REFERENCES = 400, THREADS_MAX = 8 };
+enum { REFERENCES = 400 };
 
 static void must(lcor_status status, const lcor_error *err)
 {
@@ -28,45 +28,6 @@ static void must(lcor_status status, const lcor_error *err)
         fprintf(stderr, "bench_gather: %s\n", err->text);
         exit(1);
     }
-}
-
-/* A parallel-for on *user threads, tasks handed out one by one. */
-typedef struct crew {
-    pthread_mutex_t lock;
-    size_t next, n;
-    void (*task)(void *arg, size_t i);
-    void *arg;
-} crew;
-
-static void *work(void *arg)
-{
-    crew *c = arg;
-
-    for (;;) {
-        size_t i;
-
-        pthread_mutex_lock(&c->lock);
-        i = c->next++;
-        pthread_mutex_unlock(&c->lock);
-        if (i >= c->n)
-            return NULL;
-        c->task(c->arg, i);
-    }
-}
-
-static void run_threads(void *user, size_t n, void (*task)(void *arg, size_t i), void *arg)
-{
-    const int threads = *(const int *)user;
-    crew c = {PTHREAD_MUTEX_INITIALIZER, 0, n, task, arg};
-    pthread_t others[THREADS_MAX];
-    int started = 0;
-
-    while (started < threads - 1 && pthread_create(&others[started], NULL, work, &c) == 0)
-        started++;
-    (void)work(&c);
-    for (int i = 0; i < started; i++)
-        pthread_join(others[i], NULL);
-    pthread_mutex_destroy(&c.lock);
 }
 
 /* Values of tests/data/reference/gather_*.csv: points, then whole triangles. */
@@ -135,6 +96,7 @@ typedef struct run {
 static run measure(const lcor_scene *scene, double tolerance, int threads, const reference *r,
                    double *values)
 {
+    crew c = {.threads = threads};
     lcor_radiosity_options options;
     lcor_solution *solution = NULL;
     lcor_error err;
@@ -144,8 +106,8 @@ static run measure(const lcor_scene *scene, double tolerance, int threads, const
     options.struct_size = sizeof options;
     options.tolerance = tolerance;
     options.engine = LCOR_ENGINE_GATHER;
-    options.parallel.run = threads > 1 ? run_threads : NULL;
-    options.parallel.user = &threads;
+    options.parallel.run = threads > 1 ? crew_run : NULL;
+    options.parallel.user = &c;
     out.solve = bench_seconds();
     must(lcor_radiosity_solve(scene, &options, &solution, &err), &err);
     out.points = bench_seconds();

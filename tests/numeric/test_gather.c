@@ -211,7 +211,6 @@ static void no_light_leaks_through_a_thin_wall(void **state)
     lcor_scene_free(scene);
 }
 
-/* Thousands of slivers, as files have them: the floor as a fan of thin triangles. */
 /* Between a lamp and the ceiling close above it light goes to and fro as between endless planes.
  * The two must not fill the field with leaves that only they see. */
 static void a_slit_does_not_eat_the_field(void **state)
@@ -241,6 +240,7 @@ static void a_slit_does_not_eat_the_field(void **state)
     lcor_scene_free(scene);
 }
 
+/* Thousands of slivers, as files have them: a board over the floor as a fan of thin triangles. */
 static void slivers_change_nothing(void **state)
 {
     double values[2][5 * N * N];
@@ -255,7 +255,6 @@ static void slivers_change_nothing(void **state)
         memset(&look, 0, sizeof look);
         for (int c = 0; c < 3; c++)
             look.reflectance[c] = 0.5;
-        /* A board over the floor. */
         for (int i = 0; pass == 1 && i < 2500; i++) {
             const double a[3] = {0.2, 0.2, 0.1}, b[3] = {0.2 + i * 2e-4, 0.8, 0.1};
             const double c[3] = {0.2 + (i + 1) * 2e-4, 0.8, 0.1};
@@ -279,43 +278,12 @@ static void slivers_change_nothing(void **state)
     assert_true(rms_between(values[1], values[0], 5 * N * N) <= 0.03);
 }
 
-/* A parallel-for that runs tasks backwards, as another number of threads might. */
-static void run_backwards(void *user, size_t n, void (*task)(void *arg, size_t i), void *arg)
-{
-    ++*(int *)user;
-    while (n-- > 0)
-        task(arg, n);
-}
-
 static lcor_scene *box_room(void)
 {
     lcor_scene *scene = paper_room(N);
 
     add_box(scene, paper_box_low, paper_box_high, 0.5, N);
     return scene;
-}
-
-static void bits_do_not_depend_on_the_order_of_tasks(void **state)
-{
-    lcor_radiosity_options options = gather_options(0.05);
-    double forward[VALUES], backward[VALUES];
-    lcor_scene *scene = box_room();
-    lcor_solution *one, *two;
-    int calls = 0;
-
-    (void)state;
-    commit(scene);
-    one = solve_with(scene, &options);
-    options.parallel.run = run_backwards;
-    options.parallel.user = &calls;
-    two = solve_with(scene, &options);
-    assert_true(calls > 3);
-    room_patches(one, N, LCOR_VALUE_AVERAGE, forward);
-    room_patches(two, N, LCOR_VALUE_AVERAGE, backward);
-    assert_memory_equal(forward, backward, sizeof forward);
-    lcor_solution_free(one);
-    lcor_solution_free(two);
-    lcor_scene_free(scene);
 }
 
 /* After a lamp and a reflectance have changed, an update must agree with solving anew. */
@@ -435,49 +403,6 @@ static void a_dark_scene_is_no_error(void **state)
     lcor_scene_free(scene);
 }
 
-typedef struct failing {
-    long left, live;
-} failing;
-
-static void *failing_alloc(size_t size, void *user)
-{
-    failing *f = user;
-    void *p = f->left-- > 0 ? malloc(size) : NULL;
-
-    f->live += p != NULL;
-    return p;
-}
-
-static void failing_free(void *p, void *user)
-{
-    ((failing *)user)->live--;
-    free(p);
-}
-
-static void every_allocation_may_fail(void **state)
-{
-    failing f = {0, 0};
-    lcor_radiosity_options options = gather_options(0.5);
-    lcor_scene *scene = paper_room(1);
-    lcor_status status = LCOR_ERR_NOMEM;
-
-    (void)state;
-    commit(scene);
-    options.allocator = (lcor_allocator){failing_alloc, failing_free, &f};
-    for (long k = 0; status != LCOR_OK; k += 1 + k / 16) {
-        lcor_solution *solution = NULL;
-        lcor_error err;
-
-        assert_true(k < 10000);
-        f.left = k;
-        status = lcor_radiosity_solve(scene, &options, &solution, &err);
-        assert_true(status == LCOR_OK || status == LCOR_ERR_NOMEM);
-        lcor_solution_free(solution);
-        assert_int_equal(f.live, 0);
-    }
-    lcor_scene_free(scene);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -487,12 +412,10 @@ int main(void)
         cmocka_unit_test(no_light_leaks_through_a_thin_wall),
         cmocka_unit_test(a_slit_does_not_eat_the_field),
         cmocka_unit_test(slivers_change_nothing),
-        cmocka_unit_test(bits_do_not_depend_on_the_order_of_tasks),
         cmocka_unit_test(an_update_agrees_with_a_new_solution),
         cmocka_unit_test(it_can_be_cancelled),
         cmocka_unit_test(a_limit_returns_the_best_solution_unconverged),
         cmocka_unit_test(a_dark_scene_is_no_error),
-        cmocka_unit_test(every_allocation_may_fail),
     };
 
     return cmocka_run_group_tests_name("gather", tests, NULL, NULL);

@@ -22,7 +22,9 @@ typedef struct engine {
     /* Patches first..first+count-1 of a surface, of a quad whole rows. */
     void (*patches)(const lcor_solution *s, size_t surface, lcor_value value, size_t first,
                     size_t count, double *total);
-    void (*point)(const lcor_solution *s, const double x[3], const double normal[3], double *total);
+    /* At a point on a surface, or free of any (LCOR_BVH_NONE). */
+    void (*point)(const lcor_solution *s, const double x[3], const double normal[3],
+                  uint32_t surface, double *total);
 } engine;
 
 struct lcor_solution {

@@ -318,40 +318,20 @@ void links_patches(const links *l, size_t surface, lcor_value value, size_t firs
     }
 }
 
-/* The surface a point lies on, with the given normal on one of its sides. */
-static const face *find_face(const links *l, const double x[3], const double normal[3], double *s,
-                             double *t)
+void links_point(const links *l, const double x[3], const double normal[3], uint32_t surface,
+                 double accuracy, double *out)
 {
-    const double reach = 1e-6 * l->scene->diameter;
-    const scene_surface *surface;
-    lcor_bvh_hit hit;
-    lcor_ray ray;
-    double side;
-
-    vec_add_scaled(x, reach, normal, ray.origin);
-    for (int k = 0; k < 3; k++)
-        ray.direction[k] = -normal[k];
-    ray.t_min = 0;
-    ray.t_max = 2 * reach;
-    ray.skip = LCOR_BVH_NONE;
-    if (!lcor_bvh_closest(l->scene->bvh, &ray, &hit))
-        return NULL;
-    surface = scene_surface_at(l->scene, hit.owner);
-    side = vec_dot(normal, surface->normal);
-    return fabs(side) < 1 - 1e-6 ? NULL : face_at(l, hit.owner, side < 0, x, s, t);
-}
-
-void links_point(const links *l, const double x[3], const double normal[3], double accuracy,
-                 double *out)
-{
+    const face *f = NULL;
     double s, t;
-    const face *f = find_face(l, x, normal, &s, &t);
 
+    if (surface != LCOR_BVH_NONE)
+        f = face_at(l, surface, vec_dot(normal, scene_surface_at(l->scene, surface)->normal) < 0, x,
+                    &s, &t);
     if (f) {
         for (int c = 0; c < l->channels; c++)
             out[c] = 0;
         add_at(l, f, s, t, out);
     } else {
-        links_gather(l, x, normal, LCOR_BVH_NONE, accuracy, 10 * l->floor, out);
+        links_gather(l, x, normal, surface, accuracy, 10 * l->floor, out);
     }
 }

@@ -226,8 +226,9 @@ typedef struct gather_query {
     double *const *errors; /* NULL, or two more fields, */
 } gather_query;
 
+/* At a point on a surface or free (LCOR_BVH_NONE). */
 void gather_query_point(const gather *g, const double x[3], const double normal[3],
-                        gather_query *q);
+                        uint32_t surface, gather_query *q);
 /* Adds to `total`, which holds what is direct; `bias` gets what the other fields add to the answer,
  * mean of the channels. Returns the number of rays. */
 uint64_t gather_answer(const gather *g, const gather_query *q, double *total, double bias[2]);

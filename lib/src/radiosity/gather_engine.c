@@ -281,11 +281,12 @@ static void patches(const lcor_solution *s, size_t surface, lcor_value value, si
         gather_patch(s->state, surface, value, first + i, total + i * (size_t)s->report.channels);
 }
 
-static void point(const lcor_solution *s, const double x[3], const double normal[3], double *total)
+static void point(const lcor_solution *s, const double x[3], const double normal[3],
+                  uint32_t surface, double *total)
 {
     gather_query q;
 
-    gather_query_point(s->state, x, normal, &q);
+    gather_query_point(s->state, x, normal, surface, &q);
     (void)gather_answer(s->state, &q, total, NULL);
 }
 

@@ -114,7 +114,7 @@ static void verify_task(void *arg, size_t i)
     memset(v, 0, sizeof *v);
     sobol_point(&g->sobol, (uint32_t)i, 99, 0, 2, random);
     (void)gather_place(g, random[0], random[1], &stand);
-    gather_query_point(g, stand.x, stand.normal, &q);
+    gather_query_point(g, stand.x, stand.normal, stand.surface, &q);
     light_at(&g->solution->lights, stand.x, stand.normal, stand.surface, direct);
     memcpy(first, direct, sizeof first);
     memcpy(second, direct, sizeof second);

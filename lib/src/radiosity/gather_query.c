@@ -13,8 +13,6 @@ enum { RAYS_FIRST = 16, DOUBLINGS_MAX = 16, DOUBLINGS_USED = 3, RAYS_USUAL = 256
 static const double dark_share = 0.02;
 /* Light that no ray has met yet, through a slit say: as if the next one met so much of the mean. */
 static const double unmet_share = 0.5;
-/* A point this near to a surface, as part of the diameter, lies on it. */
-static const double reach_share = 1e-6;
 
 /* Any orthonormal frame around the normal. */
 static void set_frame(gather_stand *stand, const double normal[3])
@@ -28,30 +26,25 @@ static void set_frame(gather_stand *stand, const double normal[3])
     vec_cross(normal, stand->u, stand->v);
 }
 
-void gather_query_point(const gather *g, const double x[3], const double normal[3], gather_query *q)
+void gather_query_point(const gather *g, const double x[3], const double normal[3],
+                        uint32_t surface, gather_query *q)
 {
-    const double reach = reach_share * g->scene->diameter;
-    gather_stand above;
-    gather_spot spot;
-    const double down[3] = {0, 0, -1};
-
     memset(q, 0, sizeof *q);
     q->near = g->effort.near;
     q->stop = g->effort.stop;
     q->share_effort = g->effort.share;
     q->samples = g->effort.samples;
-    set_frame(&above, normal);
-    above.surface = LCOR_BVH_NONE;
-    vec_add_scaled(x, reach, normal, above.x);
-    if (gather_trace(g, &above, down, &spot) && spot.distance < 2 * reach &&
-        vec_dot(spot.stand.normal, normal) > 1 - 1e-6) {
-        q->stand = spot.stand;
-        q->seed = random_hash(spot.side);
-        return;
+    if (surface == LCOR_BVH_NONE) {
+        set_frame(&q->stand, normal);
+        q->stand.surface = LCOR_BVH_NONE;
+        q->seed = 1;
+    } else {
+        const int back = vec_dot(normal, scene_surface_at(g->scene, surface)->normal) < 0;
+
+        gather_stand_on(g, surface, back, &q->stand);
+        q->seed = random_hash(gather_side_of(g, surface, back));
     }
-    q->stand = above;
     vec_copy(x, q->stand.x);
-    q->seed = 1;
 }
 
 /* What the irradiance may be, to judge whether guiding pays. */
@@ -104,7 +97,6 @@ static void add_sample(const gather *g, const gather_query *q, const guide_view 
     s->rays += sample.rays;
 }
 
-double QN, QR, QC;
 /* The squared standard error of a mean over twice as many samples as the last but one, channels
  * summed. The change by a doubling has the variance of the mean itself where samples are
  * independent, that of the doubling before has twice as much; one alone is small by chance too

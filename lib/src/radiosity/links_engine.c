@@ -173,12 +173,13 @@ static void patches(const lcor_solution *s, size_t surface, lcor_value value, si
     links_patches((const links *)s->state, surface, value, first, count, total);
 }
 
-static void point(const lcor_solution *s, const double x[3], const double normal[3], double *total)
+static void point(const lcor_solution *s, const double x[3], const double normal[3],
+                  uint32_t surface, double *total)
 {
     const links *l = (const links *)s->state;
     double indirect[3];
 
-    links_point(l, x, normal, l->accuracy, indirect);
+    links_point(l, x, normal, surface, l->accuracy, indirect);
     for (int c = 0; c < l->channels; c++)
         total[c] += indirect[c];
 }

@@ -278,17 +278,19 @@ static void point_task(void *arg, size_t chunk)
     const size_t channels = (size_t)s->report.channels, step = s->engine->points_per_task;
 
     for (size_t i = chunk * step; i < job->n && i < (chunk + 1) * step; i++) {
-        const double *x = job->points + 3 * i;
-        double normal[3], direct[3];
+        double x[3], normal[3], direct[3];
+        uint32_t surface;
 
+        vec_copy(job->points + 3 * i, x);
         vec_copy(job->normals + 3 * i, normal);
         (void)vec_normalize(normal);
-        light_at(&s->lights, x, normal, LCOR_BVH_NONE, direct);
+        surface = lcor_scene_surface_of(s->scene, normal, x);
+        light_at(&s->lights, x, normal, surface, direct);
         if (job->direct)
             memcpy(job->direct + channels * i, direct, channels * sizeof *direct);
         if (job->total) {
             memcpy(job->total + channels * i, direct, channels * sizeof *direct);
-            s->engine->point(s, x, normal, job->total + channels * i);
+            s->engine->point(s, x, normal, surface, job->total + channels * i);
         }
     }
 }

@@ -189,6 +189,30 @@ int lcor_scene_inside(const lcor_scene *scene, const double point[3])
     return 1;
 }
 
+uint32_t lcor_scene_surface_of(const lcor_scene *scene, const double normal[3], double point[3])
+{
+    const double reach = SCENE_REACH * scene->diameter;
+    const scene_surface *surface;
+    lcor_bvh_hit hit;
+    lcor_ray ray;
+    double d[3];
+
+    vec_add_scaled(point, reach, normal, ray.origin);
+    for (int k = 0; k < 3; k++)
+        ray.direction[k] = -normal[k];
+    ray.t_min = 0;
+    ray.t_max = 2 * reach;
+    ray.skip = LCOR_BVH_NONE;
+    if (!lcor_bvh_closest(scene->bvh, &ray, &hit))
+        return LCOR_BVH_NONE;
+    surface = scene_surface_at(scene, hit.owner);
+    if (fabs(vec_dot(normal, surface->normal)) < 1 - 1e-6)
+        return LCOR_BVH_NONE;
+    vec_sub(surface->origin, point, d);
+    vec_add_scaled(point, vec_dot(d, surface->normal), surface->normal, point);
+    return hit.owner;
+}
+
 int lcor_scene_blocked(const lcor_scene *scene, const double from[3], const double to[3],
                        uint32_t skip, uint32_t *cache)
 {

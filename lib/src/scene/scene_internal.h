@@ -58,6 +58,8 @@ struct lcor_scene {
 
 /* Distance below which a ray's end counts as lying on a surface, as part of scene->diameter. */
 #define SCENE_TOUCH 1e-9
+/* And a caller's point, which may have been kept in single precision or as text. */
+#define SCENE_REACH 1e-6
 
 static inline const scene_surface *scene_surface_at(const lcor_scene *scene, size_t i)
 {
@@ -81,6 +83,10 @@ lcor_status lcor_scene_check_light(const lcor_light *light, size_t id, lcor_erro
 /* Whether the point lies on the facing side or on the plane of every surface. In a convex scene
  * nothing then hides it from any surface. */
 int lcor_scene_inside(const lcor_scene *scene, const double point[3]);
+
+/* The surface that a point lies on, `normal` (of length 1) being that of one of its sides; the
+ * point is moved onto its plane. LCOR_BVH_NONE if there is none. */
+uint32_t lcor_scene_surface_of(const lcor_scene *scene, const double normal[3], double point[3]);
 
 /* Whether anything stands between two points of the scene, each on a surface or free. Surface
  * `skip` (or LCOR_BVH_NONE) is looked through. `cache` as in lcor_bvh_occluded. */
