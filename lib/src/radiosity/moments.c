@@ -5,9 +5,17 @@
 #include "radiosity/direct.h"
 #include "radiosity/transfer.h"
 
+#include <math.h>
 #include <string.h>
 
+static const double pi = 3.14159265358979323846;
+
 enum { DEPTH_MAX = 64, CLIP_DEPTH_MAX = 8 };
+
+/* Kinks are not resolved further than this. */
+static const double kink_accuracy_least = 1e-5;
+/* The rule's error on a cell across a kink is about this part of the kink's own. */
+static const double kink_felt = 0.04;
 
 static double power8(double x)
 {
@@ -83,6 +91,48 @@ static int clipped_cell(const moments *m, const cell *c, int depth, double out[R
     return 1;
 }
 
+/* Whether a cell from `at - spread` to `at + spread` reaches over a kink that the rule feels: one
+ * at the end of a ramp from 0 to 1 of the given width, in a light as wide as `whole`. */
+static int feels_kink(const moments *m, double at, double spread, double kink, double width,
+                      double whole)
+{
+    const double jump = fmin(1, 2 * spread / width), share = 2 * spread / whole;
+
+    return fabs(at - kink) < spread &&
+           kink_felt * jump * share > fmax(m->accuracy, kink_accuracy_least);
+}
+
+/* Where a spotlight's cones or the end of a light's range cross the cell, its irradiance is no
+ * polynomial. */
+static int is_kinked(const moments *m, const cell *c)
+{
+    const lcor_light *light = m->light;
+    double corners[4][3], centre[3] = {0, 0, 0}, to[3], radius = 0, distance, spread, angle;
+
+    if (light->kind != LCOR_LIGHT_SPOT && !(light->range > 0))
+        return 0;
+    face_cell_corners(m->f, c, corners);
+    for (int i = 0; i < 4; i++)
+        vec_add_scaled(centre, 0.25, corners[i], centre);
+    for (int i = 0; i < 4; i++) {
+        vec_sub(corners[i], centre, to);
+        radius = fmax(radius, vec_length(to));
+    }
+    vec_sub(centre, light->position, to);
+    distance = vec_normalize(to);
+    if (light->range > 0 &&
+        feels_kink(m, distance, radius, light->range, 0.25 * light->range, light->range))
+        return 1;
+    if (light->kind != LCOR_LIGHT_SPOT)
+        return 0;
+    spread = distance > radius ? asin(radius / distance) : pi;
+    angle = acos(fmin(fmax(vec_dot(to, light->direction), -1), 1));
+    return feels_kink(m, angle, spread, light->inner_cone, light->outer_cone - light->inner_cone,
+                      light->outer_cone) ||
+           feels_kink(m, angle, spread, light->outer_cone, light->outer_cone - light->inner_cone,
+                      light->outer_cone);
+}
+
 /* Whether the rule on this cell is accurate; else *axis is the one to halve. */
 static int is_smooth(const moments *m, const cell *c, int *axis)
 {
@@ -92,7 +142,7 @@ static int is_smooth(const moments *m, const cell *c, int *axis)
         return 1;
     (void)transfer_ellipse(m->light->position, m->f, c, q);
     if (power8(q[0]) * m->accuracy >= 1 && power8(q[1]) * m->accuracy >= 1)
-        return 1;
+        return !is_kinked(m, c);
     *axis = q[1] < 0.999 * q[0] ? 1 : 0;
     return 0;
 }

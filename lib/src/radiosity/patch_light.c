@@ -3,6 +3,7 @@
 
 #include "geometry/vec.h"
 #include "radiosity/face.h"
+#include "radiosity/gather_random.h"
 #include "radiosity/moments.h"
 #include "radiosity/occluders.h"
 #include "radiosity/transfer.h"
@@ -10,7 +11,10 @@
 #include <math.h>
 #include <string.h>
 
-enum { OCCLUDERS_MAX = SIGHT_CONES, HALVINGS = 8 };
+enum { OCCLUDERS_MAX = SIGHT_CONES, HALVINGS = 4, RAY_DOUBLINGS = 11 };
+
+/* Rays need not be as accurate as quadrature. */
+static const double rays_accuracy = 80;
 
 static const double gauss2[2] = {0.21132486540518711775, 0.78867513459481288225};
 
@@ -39,10 +43,16 @@ static void add(const quad_job *j, size_t row, size_t column, size_t n, const do
             out[k] += values[k / channels] * j->power[k % channels];
 }
 
+/* The parts of a patch before which too much stands to clip light against: rays decide there. */
+typedef struct crowds {
+    cell cells[1 << HALVINGS];
+    int count;
+} crowds;
+
 /* Flux of a light of intensity 1 on a cell, clipped at what may hide it. Where that is too much,
- * the cell is halved `depth` times until less is in the way of each part, or one ray decides. */
+ * the cell is halved `depth` times until less is in the way of each part; the rest is listed. */
 static double flux_on(const light_set *set, const lcor_light *light, const face *f, const cell *c,
-                      const uint32_t *in, size_t in_count, double accuracy, int depth)
+                      const uint32_t *in, size_t in_count, double accuracy, int depth, crowds *rest)
 {
     uint32_t occluders[OCCLUDERS_MAX];
     double out[RULE_Q], sum = 0;
@@ -58,13 +68,8 @@ static double flux_on(const light_set *set, const lcor_light *light, const face 
     if (count == OCCLUDERS_BLOCK)
         return 0;
     if (count == OCCLUDERS_CROWD && depth == 0) {
-        double x[3], value;
-
-        face_point(f, c->s0 + 0.5 * c->hs, c->t0 + 0.5 * c->ht, x);
-        value = lcor_direct_unshadowed(light, x, f->normal);
-        return value > 0 && !lcor_direct_shadowed(set->scene, light, x, f->surface, NULL)
-                   ? value * face_cell_area(f, c)
-                   : 0;
+        rest->cells[rest->count++] = *c;
+        return 0;
     }
     if (count == OCCLUDERS_CROWD) {
         cell half = *c;
@@ -74,12 +79,69 @@ static double flux_on(const light_set *set, const lcor_light *light, const face 
         for (int i = 0; i < 2; i++) {
             half.s0 = c->s0 + (depth % 2 ? i * half.hs : 0);
             half.t0 = c->t0 + (depth % 2 ? 0 : i * half.ht);
-            sum += flux_on(set, light, f, &half, in, in_count, accuracy, depth - 1);
+            sum += flux_on(set, light, f, &half, in, in_count, accuracy, depth - 1, rest);
         }
         return sum;
     }
     moments_aim(&m, set->scene, light, f, occluders, (size_t)count, accuracy);
     return moments_of(&m, c, out);
+}
+
+/* Ray `index` of a cell: the flux on it if the light were the same everywhere. Each cell has a
+ * sequence of its own, so that things in rows do not meet rays in rows. */
+static double flux_by_ray(const light_set *set, const lcor_light *light, const face *f,
+                          const cell *c, const sobol *sequence, uint32_t index, uint32_t seed,
+                          uint32_t *cache)
+{
+    double q[2], x[3], s, value;
+
+    sobol_point(sequence, index, seed, 0, 2, q);
+    s = c->s0 + q[0] * c->hs;
+    face_point(f, s, c->t0 + q[1] * c->ht, x);
+    value = lcor_direct_unshadowed(light, x, f->normal);
+    return value > 0 && !lcor_direct_shadowed(set->scene, light, x, f->surface, cache)
+               ? value * f->jacobian * c->hs * c->ht * (f->triangle ? s : 1)
+               : 0;
+}
+
+/* Flux on crowded cells beside `known`, by more and more rays until the last three doublings agree
+ * to the accuracy: a change by doubling has the size of the error that is left, the one before that
+ * of more by the root of 2. */
+static double flux_by_rays(const light_set *set, const lcor_light *light, const face *f,
+                           const crowds *rest, double known, double accuracy)
+{
+    double sum = 0, last = 0, change[3] = {0};
+    uint32_t cache = LCOR_BVH_NONE;
+    sobol sequence;
+
+    sobol_init(&sequence);
+    for (uint32_t n = 0, step = 0;; step++) {
+        double mean, error2;
+
+        for (; n < 1u << step; n++)
+            for (int i = 0; i < rest->count; i++)
+                sum +=
+                    flux_by_ray(set, light, f, &rest->cells[i], &sequence, n, (uint32_t)i, &cache);
+        mean = sum / n;
+        change[step % 3] = mean - last;
+        last = mean;
+        error2 = fmax(change[step % 3] * change[step % 3],
+                      fmax(change[(step + 2) % 3] * change[(step + 2) % 3] / 2,
+                           change[(step + 1) % 3] * change[(step + 1) % 3] / 4));
+        if (step == RAY_DOUBLINGS ||
+            (step >= 3 && sqrt(error2) <= rays_accuracy * accuracy * (known + mean)))
+            return mean;
+    }
+}
+
+/* Flux on a patch, or the part of one. */
+static double flux_on_patch(const light_set *set, const lcor_light *light, const face *f,
+                            const cell *c, const uint32_t *in, size_t in_count, double accuracy)
+{
+    crowds rest = {.count = 0};
+    const double known = flux_on(set, light, f, c, in, in_count, accuracy, HALVINGS, &rest);
+
+    return rest.count > 0 ? known + flux_by_rays(set, light, f, &rest, known, accuracy) : known;
 }
 
 /* Points a side that the average over an unshadowed patch of the block needs: 1 or 2, or 0 if it
@@ -165,9 +227,10 @@ static void light_block(const quad_job *j, size_t r0, size_t r1, size_t c0, size
             clear_row(j, row, c0, c1, points);
     } else if (r1 - r0 == 1 && c1 - c0 == 1) {
         const int crowd = count == OCCLUDERS_CROWD;
-        const double value = flux_on(j->set, j->light, &j->whole, &block, crowd ? in : occluders,
-                                     crowd ? in_count : (size_t)count, j->accuracy, HALVINGS) /
-                             face_cell_area(&j->whole, &block);
+        const double value =
+            flux_on_patch(j->set, j->light, &j->whole, &block, crowd ? in : occluders,
+                          crowd ? in_count : (size_t)count, j->accuracy) /
+            face_cell_area(&j->whole, &block);
 
         add(j, r0, c0, 1, &value);
     } else {
@@ -230,9 +293,9 @@ static void triangle_average(const light_set *set, const scene_surface *s, size_
         size_t candidates;
         const uint32_t *blockers =
             occluders_of(set->scene, light_in_solid(set->scene, light), &candidates);
-        const double value = flux_on(set, light, &f, &all, blockers, set->open[i] ? 0 : candidates,
-                                     accuracy, HALVINGS) /
-                             (0.5 * f.jacobian);
+        const double value =
+            flux_on_patch(set, light, &f, &all, blockers, set->open[i] ? 0 : candidates, accuracy) /
+            (0.5 * f.jacobian);
 
         for (int c = 0; c < set->channels; c++)
             out[c] += value * light_channel(set, light->intensity, c);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Direct light of patches, exact: averages by quadrature or, where a shadow's edge crosses the
- * patch, over what the light sees of it. */
+/* Direct light of patches: averages by quadrature or, where a shadow's edge crosses the patch, over
+ * what the light sees of it; by shadow rays only where very much stands in the way. */
 #ifndef LCOR_RADIOSITY_PATCH_LIGHT_H
 #define LCOR_RADIOSITY_PATCH_LIGHT_H
 
