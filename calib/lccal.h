@@ -77,13 +77,16 @@ bool lccal_quiet(void); /* --quiet was given */
 /* "lccal: ..." on stderr, and an event {"event":"error","code":N,"text":"..."} with --json.
  * Says what, where and what to do next, in one line. Returns code. */
 int lccal_fail(int code, const char *format, ...) LCCAL_PRINTF(2, 3);
+/* The same, but the event is the caller's, which is completed with code and text and ended. */
+int lccal_fail_as(json *event, int code, const char *format, ...) LCCAL_PRINTF(3, 4);
 void lccal_warn(const char *format, ...) LCCAL_PRINTF(1, 2); /* "lccal: warning: ..." */
 void lccal_say(const char *format, ...) LCCAL_PRINTF(1, 2);  /* silenced by --quiet */
 
 /* {"event":"name" of an object that the caller goes on with; the end writes it to stdout as one
- * line, or drops it without --json. */
+ * line, or drops it without --json. One that is not to be sent, or was already, may be dropped. */
 json lccal_event(const char *name);
 void lccal_event_end(json *event);
+void lccal_event_drop(json *event);
 
 /* ---- text ---- */
 

@@ -15,19 +15,34 @@ void message_set_quiet(bool on) { be_quiet = on; }
 bool lccal_json(void) { return json_events; }
 bool lccal_quiet(void) { return be_quiet; }
 
-int lccal_fail(int code, const char *format, ...)
+static int fail(json *event, int code, const char *format, va_list args)
 {
     char text[1024];
+    vsnprintf(text, sizeof text, format, args);
+    fprintf(stderr, "lccal: %s\n", text);
+    json_number(event, "code", code, 0);
+    json_text(event, "text", text);
+    lccal_event_end(event);
+    return code;
+}
+
+int lccal_fail(int code, const char *format, ...)
+{
+    json event = lccal_event("error");
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    const int result = fail(&event, code, format, args);
     va_end(args);
-    fprintf(stderr, "lccal: %s\n", text);
-    json event = lccal_event("error");
-    json_number(&event, "code", code, 0);
-    json_text(&event, "text", text);
-    lccal_event_end(&event);
-    return code;
+    return result;
+}
+
+int lccal_fail_as(json *event, int code, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    const int result = fail(event, code, format, args);
+    va_end(args);
+    return result;
 }
 
 void lccal_warn(const char *format, ...)
@@ -70,5 +85,7 @@ void lccal_event_end(json *event)
         fwrite(event->out.bytes, 1, event->out.size, stdout);
         fflush(stdout);
     }
-    buffer_free(&event->out);
+    lccal_event_drop(event);
 }
+
+void lccal_event_drop(json *event) { buffer_free(&event->out); }

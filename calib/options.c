@@ -48,7 +48,7 @@ static int common_option(const char *arg, const char *help, bool *known)
 {
     *known = true;
     if (strcmp(arg, "--json") == 0) {
-        message_set_json(true);
+        return LCCAL_OK; /* known already */
     } else if (strcmp(arg, "--quiet") == 0) {
         message_set_quiet(true);
     } else if (strcmp(arg, "--help") == 0) {
@@ -63,11 +63,24 @@ static int common_option(const char *arg, const char *help, bool *known)
     return LCCAL_OK;
 }
 
+/* Errors are events wherever --json stands, also behind them. */
+static bool asks_for_json(int argc, char **argv, const lccal_option *options, size_t count)
+{
+    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++) {
+        if (strcmp(argv[i], "--json") == 0)
+            return true;
+        const lccal_option *option = find(options, count, argv[i], strlen(argv[i]));
+        i += option && option->kind != LCCAL_FLAG; /* its value */
+    }
+    return false;
+}
+
 int lccal_parse_options(int *argc, char **argv, const lccal_option *options, size_t count,
                         const char *help)
 {
     int operands = 1;
     bool only_operands = false;
+    message_set_json(asks_for_json(*argc, argv, options, count));
     for (int i = 1; i < *argc; i++) {
         char *arg = argv[i];
         if (only_operands || arg[0] != '-' || arg[1] == '\0') {

@@ -14,7 +14,7 @@ PYTHONPATH=$here/../bindings/python "$python" -m lcor.emulator --model printalyz
     --auto-press 5 --once >"$out/.port" </dev/null &
 emulator=$!
 trap 'kill "$emulator" 2>/dev/null || true; rm -f "$out/.port"' EXIT
-until [[ -s $out/.port ]]; do sleep 0.05; done
+until [[ -s $out/.port ]]; do kill -0 "$emulator" && sleep 0.05; done
 "$bin/lccal" --port "$(head -n 1 "$out/.port")" --yes -o "$out/printer.cgats"
 
 # 2. The room: six faces of 50 x 50 patches, one point light of 100 cd, three photographs.

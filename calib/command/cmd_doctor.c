@@ -84,7 +84,7 @@ static int check_permission(json *checks, const char *path)
     char text[160], remedy[256];
     if (stat(path, &info) != 0) {
         report(checks, path, false, "there is no such port",
-               "plug the instrument in and switch it on; `lccal list` shows ports");
+               "plug the instrument in and switch it on; `lccal list --all` shows those on USB");
         return LCCAL_NO_INSTRUMENT;
     }
     if (access(path, R_OK | W_OK) == 0) {
@@ -106,7 +106,7 @@ static int check_permission(json *checks, const char *path)
 }
 
 /* lccal locks the ports it uses, and so do other well-behaved programs. */
-static int check_busy(json *checks, const char *path)
+static int check_use(json *checks, const char *path)
 {
     const int fd = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (fd < 0) {
@@ -115,6 +115,12 @@ static int check_busy(json *checks, const char *path)
                busy ? "close that program (ModemManager is one that takes serial ports)"
                     : "plug the instrument in again");
         return busy ? LCCAL_PERMISSION : LCCAL_NO_INSTRUMENT;
+    }
+    if (!isatty(fd) && strncmp(path, "/dev/hidraw", 11) != 0) {
+        close(fd);
+        report(checks, path, false, "it is no serial port",
+               "name the instrument's port; `lccal list --all` shows those on USB");
+        return LCCAL_NO_INSTRUMENT;
     }
     const bool free_to_use = flock(fd, LOCK_EX | LOCK_NB) == 0;
     close(fd);
@@ -127,7 +133,7 @@ static int check_busy(json *checks, const char *path)
 static int check_port(json *checks, const char *path)
 {
     const int result = check_permission(checks, path);
-    return result == LCCAL_OK ? check_busy(checks, path) : result;
+    return result == LCCAL_OK ? check_use(checks, path) : result;
 }
 
 static int check_device(json *checks, const port_info *port, const usb_model *model)

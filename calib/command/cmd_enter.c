@@ -27,7 +27,7 @@ static const char help[] =
     "                      paper, backing and print settings, kept in the profile\n"
     "  --json, --quiet, --help, --version\n";
 
-enum { READINGS_MAX = 1000 };
+enum { READINGS_MAX = 1000, PROBLEM = 160 };
 
 typedef struct patch_entry {
     const char *name, *option;
@@ -37,8 +37,9 @@ typedef struct patch_entry {
     int decimals; /* the most given */
 } patch_entry;
 
-/* One density as a person writes it; its text may hold blanks around. */
-static int add_value(patch_entry *p, const char *text, size_t n)
+/* One density as a person writes it; its text may hold blanks around. Returns an exit code, and in
+ * `problem` what is wrong with it. */
+static int add_value(patch_entry *p, const char *text, size_t n, char problem[PROBLEM])
 {
     double value;
     while (n > 0 && (*text == ' ' || *text == '\t')) {
@@ -47,14 +48,20 @@ static int add_value(patch_entry *p, const char *text, size_t n)
     }
     while (n > 0 && (text[n - 1] == ' ' || text[n - 1] == '\t' || text[n - 1] == '\r'))
         n--;
-    if (!lccal_parse_number(text, n, &value))
-        return lccal_fail(LCCAL_USAGE, "%s: '%.*s' is no density; write it like 1.44, with a point",
-                          p->name, (int)n, text);
-    if (!judge_plausible(value))
-        return lccal_fail(LCCAL_REJECTED, "%s: %.*s is no density of paper or film (-0.1 to 6)",
-                          p->name, (int)n, text);
-    if (p->count == READINGS_MAX)
-        return lccal_fail(LCCAL_USAGE, "%s: more than %d readings", p->name, READINGS_MAX);
+    if (!lccal_parse_number(text, n, &value)) {
+        snprintf(problem, PROBLEM, "%s: '%.*s' is no density; write it like 1.44, with a point",
+                 p->name, (int)n, text);
+        return LCCAL_USAGE;
+    }
+    if (!judge_plausible(value)) {
+        snprintf(problem, PROBLEM, "%s: %.*s is no density of paper or film (-0.1 to 6)", p->name,
+                 (int)n, text);
+        return LCCAL_REJECTED;
+    }
+    if (p->count == READINGS_MAX) {
+        snprintf(problem, PROBLEM, "%s: more than %d readings", p->name, READINGS_MAX);
+        return LCCAL_USAGE;
+    }
     const char *point = memchr(text, '.', n);
     const int decimals = point ? (int)(text + n - point - 1) : 0;
     p->decimals = decimals > p->decimals ? decimals : p->decimals;
@@ -64,24 +71,25 @@ static int add_value(patch_entry *p, const char *text, size_t n)
 
 static int add_list(patch_entry *p, const char *list)
 {
+    char problem[PROBLEM];
     for (const char *at = list;; at++) {
         const size_t n = strcspn(at, ",");
-        const int result = add_value(p, at, n);
+        const int result = add_value(p, at, n, problem);
         if (result != LCCAL_OK)
-            return result;
+            return lccal_fail(result, "%s", problem);
         at += n;
         if (*at == '\0')
             return LCCAL_OK;
     }
 }
 
-/* Ask for readings until an empty line. */
+/* Ask for readings until an empty line. A slip of the finger is told and asked for again. */
 static int ask(patch_entry *p)
 {
     for (;;) {
-        char question[80], line[64];
-        snprintf(question, sizeof question, "Density of %s, reading %zu%s:", p->name, p->count + 1,
-                 p->count ? " (Enter: no more)" : "");
+        char question[96], line[64], problem[PROBLEM];
+        snprintf(question, sizeof question, "Density of %s, reading %zu [%sq: quit]:", p->name,
+                 p->count + 1, p->count ? "Enter: no more, " : "");
         switch (prompt_line(p->name, question, line, sizeof line)) {
         case ANSWER_GO:
         case ANSWER_REDO: break;
@@ -91,11 +99,10 @@ static int ask(patch_entry *p)
         }
         if (line[0] == '\0' && p->count > 0)
             return LCCAL_OK;
-        const int result = add_value(p, line, strlen(line));
-        if (result == LCCAL_USAGE)
-            continue; /* a slip of the finger: it was told, ask again */
-        if (result != LCCAL_OK)
-            return result;
+        if (line[0] == 'q' || line[0] == 'Q')
+            return lccal_fail(LCCAL_INTERRUPTED, "interrupted; nothing was saved");
+        if (add_value(p, line, strlen(line), problem) != LCCAL_OK)
+            lccal_warn("%s", problem);
     }
 }
 

@@ -96,8 +96,11 @@ int cmd_list(int argc, char **argv)
     json_close(&event, ']');
     lccal_event_end(&event);
     if (shown == 0)
-        lccal_say("No known instrument is plugged in. One on a serial adapter must be named: "
-                  "lccal --port /dev/ttyUSB0 --instrument line:PRESET");
+        lccal_say(
+            all ? "No serial port and no HID device is plugged in on USB."
+                : "No known instrument is plugged in; --all shows other ports on USB. One on a "
+                  "serial adapter must be named: lccal --port /dev/ttyUSB0 --instrument "
+                  "line:PRESET");
     return LCCAL_OK;
 }
 

@@ -25,7 +25,9 @@ static void put_patch(buffer *out, const char *name, double value, size_t readin
 {
     number(out, name, value, 4);
     number(out, "  from ", (double)readings, 0);
-    number(out, " readings, standard uncertainty of its density ", u, 4);
+    buffer_text(out, readings == 1 ? " reading" : " readings");
+    if (u > 0.0)
+        number(out, ", standard uncertainty of its density ", u, 4);
     buffer_text(out, "\n");
 }
 

@@ -31,24 +31,23 @@ typedef struct verify_options {
 
 #define DAY 86400.0
 
-static int verify_age(const lcor_profile *profile, const char *path, double max_age)
+/* The verdict is one event: what was compared, then the exit code, and why it is not 0. */
+static int verify_age(json *verdict, const lcor_profile *profile, const char *path, double max_age)
 {
     const double created = profile_created(profile);
     if (max_age <= 0.0)
         return LCCAL_OK;
     if (created < 0.0)
-        return lccal_fail(LCCAL_VERIFY_FAILED, "'%s': its age is not known (no CREATED date)",
-                          path);
+        return lccal_fail_as(verdict, LCCAL_VERIFY_FAILED,
+                             "'%s': its age is not known (no CREATED date)", path);
     const double days = ((double)time(NULL) - created) / DAY;
     char text[32], limit[32];
     lccal_format_number(text, sizeof text, days, 1);
     lccal_format_number(limit, sizeof limit, max_age, 1);
-    json event = lccal_event("age");
-    json_number(&event, "days", days, 2);
-    lccal_event_end(&event);
+    json_number(verdict, "age_days", days, 2);
     if (days > max_age)
-        return lccal_fail(LCCAL_VERIFY_FAILED, "'%s' is %s days old, more than %s; measure again",
-                          path, text, limit);
+        return lccal_fail_as(verdict, LCCAL_VERIFY_FAILED,
+                             "'%s' is %s days old, more than %s; measure again", path, text, limit);
     lccal_say("%s days old", text);
     return LCCAL_OK;
 }
@@ -64,25 +63,26 @@ static unsigned quantity(const lcor_profile *profile)
 static const char *or_empty(const char *text) { return text ? text : ""; }
 
 /* Densities of another status, geometry or backing differ without anything having changed. */
-static int comparable(const lcor_profile *a, const lcor_profile *b)
+static int comparable(json *verdict, const lcor_profile *a, const lcor_profile *b)
 {
     static const char *const must[] = {"MEASUREMENT_SOURCE", "MEASUREMENT_GEOMETRY",
                                        "SAMPLE_BACKING"};
     static const char *const may[] = {"INSTRUMENTATION", "MATERIAL", "PRINT_CONDITIONS"};
     if (quantity(a) != quantity(b))
-        return lccal_fail(LCCAL_VERIFY_FAILED, "one profile holds densities, the other luminances; "
-                                               "they cannot be compared");
+        return lccal_fail_as(verdict, LCCAL_VERIFY_FAILED,
+                             "one profile holds densities, the other luminances; "
+                             "they cannot be compared");
     if (lcor_profile_black_get(a) != lcor_profile_black_get(b))
-        return lccal_fail(LCCAL_VERIFY_FAILED,
-                          "the profiles take different patches for black; they "
-                          "cannot be compared");
+        return lccal_fail_as(verdict, LCCAL_VERIFY_FAILED,
+                             "the profiles take different patches for black; they "
+                             "cannot be compared");
     for (size_t i = 0; i < sizeof must / sizeof must[0]; i++) {
         const char *x = or_empty(lcor_profile_keyword(a, must[i]));
         const char *y = or_empty(lcor_profile_keyword(b, must[i]));
         if (*x && *y && strcmp(x, y) != 0)
-            return lccal_fail(LCCAL_VERIFY_FAILED,
-                              "%s is '%s' in one and '%s' in the other; they cannot be compared",
-                              must[i], x, y);
+            return lccal_fail_as(verdict, LCCAL_VERIFY_FAILED,
+                                 "%s is '%s' in one and '%s' in the other; they cannot be compared",
+                                 must[i], x, y);
     }
     for (size_t i = 0; i < sizeof may / sizeof may[0]; i++) {
         const char *x = or_empty(lcor_profile_keyword(a, may[i]));
@@ -94,7 +94,8 @@ static int comparable(const lcor_profile *a, const lcor_profile *b)
 }
 
 /* Densities of displays mean something as a difference only: then only that is compared. */
-static int compare(const lcor_profile *old, const lcor_profile *new, double tolerance)
+static int compare(json *verdict, const lcor_profile *old, const lcor_profile *new,
+                   double tolerance)
 {
     lcor_profile_result a, b;
     int status = profile_evaluate(old, &a);
@@ -113,17 +114,15 @@ static int compare(const lcor_profile *old, const lcor_profile *new, double tole
     lccal_format_number(t, sizeof t, tolerance, 3);
     profile_contrast_text(&a, c, sizeof c);
     profile_contrast_text(&b, d, sizeof d);
-    json event = lccal_event("verify");
-    json_number(&event, "d_min_change", d_min, 4);
-    json_number(&event, "d_max_change", d_max, 4);
-    json_number(&event, "contrast_before", a.contrast, 4);
-    json_number(&event, "contrast_now", b.contrast, 4);
-    json_number(&event, "days_between", days, 2);
-    json_number(&event, "tolerance", tolerance, 4);
-    lccal_event_end(&event);
+    json_number(verdict, "d_min_change", d_min, 4);
+    json_number(verdict, "d_max_change", d_max, 4);
+    json_number(verdict, "contrast_before", a.contrast, 4);
+    json_number(verdict, "contrast_now", b.contrast, 4);
+    json_number(verdict, "days_between", days, 2);
+    json_number(verdict, "tolerance", tolerance, 4);
     if (fabs(d_min) > tolerance || fabs(d_max) > tolerance)
-        return lccal_fail(
-            LCCAL_VERIFY_FAILED,
+        return lccal_fail_as(
+            verdict, LCCAL_VERIFY_FAILED,
             "the device has changed: D_min by %s, D_max by %s (tolerance %s), contrast "
             "%s -> %s; make a new profile",
             x, y, t, c, d);
@@ -134,17 +133,23 @@ static int compare(const lcor_profile *old, const lcor_profile *new, double tole
 static int run(const char *path, const verify_options *o)
 {
     lcor_profile *profile = NULL, *other = NULL;
+    json verdict = lccal_event("verify");
     int status = profile_load(path, &profile);
     if (status == LCCAL_OK)
-        status = verify_age(profile, path, o->max_age);
+        status = verify_age(&verdict, profile, path, o->max_age);
     if (status == LCCAL_OK && o->against)
         status = profile_load(o->against, &other);
     else if (status == LCCAL_OK && o->measure.port)
         status = lccal_measure(&o->measure, &other);
     if (status == LCCAL_OK && other)
-        status = comparable(profile, other);
+        status = comparable(&verdict, profile, other);
     if (status == LCCAL_OK && other)
-        status = compare(profile, other, o->tolerance);
+        status = compare(&verdict, profile, other, o->tolerance);
+    if (status == LCCAL_OK) {
+        json_number(&verdict, "code", LCCAL_OK, 0);
+        lccal_event_end(&verdict);
+    }
+    lccal_event_drop(&verdict);
     lcor_profile_free(other);
     lcor_profile_free(profile);
     return status;

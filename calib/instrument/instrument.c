@@ -112,10 +112,13 @@ static bool holds_text(const instrument *in)
     return false;
 }
 
-static cal_status fail_unheard(const instrument *in, cal_error *err)
+static cal_status fail_unheard(const instrument *in, int timeout_ms, cal_error *err)
 {
     if (in->noise == 0)
-        return instrument_fail(in, CAL_TIMEOUT, err);
+        return cal_fail(err, CAL_TIMEOUT,
+                        "'%s' sent nothing within %d s; press the button of %s on the patch, or "
+                        "give yourself more time with --timeout",
+                        in->port->name, (timeout_ms + 999) / 1000, in->driver->title);
     return cal_fail(err, CAL_PROTOCOL,
                     "'%s' sends text (%u times) but no reading of %s; is --instrument right?",
                     in->port->name, in->noise, in->driver->title);
@@ -144,7 +147,7 @@ cal_status instrument_listen(instrument *in, int timeout_ms, reading *out, cal_e
             in->noise += begun;
             in->have = 0;
             if (last)
-                return fail_unheard(in, err);
+                return fail_unheard(in, timeout_ms, err);
         } else if (status != CAL_OK) {
             return instrument_fail(in, status, err);
         }

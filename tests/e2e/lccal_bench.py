@@ -16,13 +16,16 @@ import pytest
 
 SOURCE = Path(os.environ["LCOR_SOURCE"])
 LCCAL = Path(os.environ["LCOR_BINDIR"]) / "lccal"
-DEADLINE = 60  # seconds; reached only when something hangs
+DEADLINE = 240  # seconds; reached only when something hangs
+PATIENCE = 100  # seconds that lccal may wait for a reading that is sure to come
 
 sys.path.insert(0, str(SOURCE / "bindings" / "python"))
 
+from lcor.emulator import bench  # noqa: E402
 from lcor.emulator.__main__ import arguments  # noqa: E402
-from lcor.emulator.bench import Bench  # noqa: E402
 from lcor.emulator.channel import Unplugged  # noqa: E402
+
+bench.UNSEEN = float("inf")  # lccal shows when it listens, however late a busy machine lets it
 
 
 def environment():
@@ -60,10 +63,12 @@ class Emulator:
 
     def __init__(self, *options):
         hand, self.hand = os.pipe()
-        self.bench = Bench(arguments(list(map(str, options))), hand)
+        self.bench = bench.Bench(arguments(list(map(str, options))), hand)
         self.port = self.bench.channel.name
         self.spoken_to = threading.Event()
+        self.said = threading.Semaphore(0)
         self.bench.instrument.receive = self.hear
+        self.bench.instrument.press = self.say
         self.thread = threading.Thread(target=self.run, daemon=True)
         self.thread.start()
 
@@ -77,9 +82,18 @@ class Emulator:
         type(self.bench.instrument).receive(self.bench.instrument, data)
         self.spoken_to.set()
 
+    def say(self, density):
+        try:
+            type(self.bench.instrument).press(self.bench.instrument, density)
+        finally:
+            self.said.release()
+
     def press(self, *densities):
-        """Somebody reads patches of these densities (emulators without --auto-press)."""
+        """Somebody reads patches of these densities (emulators without --auto-press); returns
+        when all of them are on the wire."""
         os.write(self.hand, "".join(f"{density}\n" for density in densities).encode())
+        for _ in densities:
+            assert self.said.acquire(timeout=DEADLINE)
 
     def unplug(self):
         os.close(self.hand)
@@ -106,6 +120,16 @@ def lccal(*arguments, **options):
         check=False,
         **options,
     )
+
+
+def in_time(measure, words):
+    """The run of measure(seconds) that ends in these words. What it waits for needs more seconds
+    on a busy machine."""
+    for seconds in (2, 10, PATIENCE):
+        run = measure(seconds)
+        if words in run.stderr:
+            break
+    return run
 
 
 def events(text):

@@ -260,12 +260,24 @@ def test_wrong_arguments(tmp_path, arguments, code, words):
 def test_densities_are_asked_for(tmp_path):
     output = tmp_path / "p.cgats"
     with Session("enter", "-o", output) as session:
-        for patch, lines in (("white", ["0.07", "0.0x", "0.08", ""]), ("black", ["1.44", ""])):
+        for patch, lines in (("white", ["0.07", "0.0x", "0.08", ""]),
+                             ("black", ["144", "1.44", ""])):
             for line in lines:
                 session.until("prompt", patch=patch)
                 session.answer(line)
         assert session.end() == 0, session.errors
     assert [row[5] for row in rows(output)] == ["0.07", "0.08", "1.44"]
+    slips = [event["text"] for event in session.seen if event["event"] == "warning"]
+    assert len(slips) == 2 and "'0.0x' is no density" in slips[0] and "144" in slips[1]
+    assert "error" not in {event["event"] for event in session.seen}
+
+
+def test_q_quits(tmp_path):
+    with Session("enter", "-o", tmp_path / "p.cgats") as session:
+        session.until("prompt", patch="white")
+        session.answer("q")
+        assert session.end() == 130
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("answers", [[], ["0.07"], ["0.07", ""], ["0.07", "", "1.44"]])

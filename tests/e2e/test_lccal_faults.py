@@ -6,7 +6,17 @@ import os
 import signal
 
 import pytest
-from lccal_bench import DEADLINE, Emulator, Session, events, lccal, rows, together
+from lccal_bench import (
+    DEADLINE,
+    PATIENCE,
+    Emulator,
+    Session,
+    events,
+    in_time,
+    lccal,
+    rows,
+    together,
+)
 
 EARLIER = b"CGATS.17\nnot a profile, but nothing may touch it\n"
 
@@ -22,7 +32,7 @@ def profile(tmp_path):
     return earlier_profile(tmp_path)
 
 
-def measure(profile, *emulator, readings=2, timeout=20, options=()):
+def measure(profile, *emulator, readings=2, timeout=PATIENCE, options=()):
     """lccal --yes against an emulator that presses by itself."""
     with Emulator("--auto-press", readings, *emulator) as device:
         return lccal("--port", device.port, "--yes", "--readings", readings, "--timeout", timeout,
@@ -42,13 +52,13 @@ def assert_failed(run, code, profile, words):
 
 SERIAL_FAULTS = [
     ("silence", "does not answer"),
-    ("slow=4", "does not answer"),
-    ("cut=1", "no reading"),
-    ("cut=7", "no reading"),
-    ("cut=20", "no reading"),
-    ("cut=43", "no reading"),
+    ("slow=1000", "does not answer"),
+    ("cut=1", "but no reading"),
+    ("cut=7", "but no reading"),
+    ("cut=20", "but no reading"),
+    ("cut=43", "but no reading"),
     ("garbage-inside", "does not answer"),
-    ("flood", "no reading"),
+    ("flood", "but no reading"),
     ("wrong-echo", "does not answer"),
     ("nak=all", "answered GS V with 'NAK'"),
     ("err=all", "answered GS V with 'ERR'"),
@@ -83,10 +93,14 @@ def ended(tmp_path_factory):
         instrument, fault = case
         profile = earlier_profile(folder)
         model = "printalyzer" if instrument == "auto" else instrument
-        seconds = 0.2 if fault == "silence" else 2  # time for all that comes at all
-        run = measure(profile, "--model", model, "--fault", fault, timeout=seconds,
-                      options=("--instrument", instrument))
-        return run, profile
+
+        def wait(seconds):
+            return measure(profile, "--model", model, "--fault", fault, timeout=seconds,
+                           options=("--instrument", instrument))
+
+        if fault == "silence":
+            return wait(0.2), profile  # nothing comes, however long one waits
+        return in_time(wait, ENDING_FAULTS[case]), profile
 
     return together(end, ENDING_FAULTS, tmp_path_factory)
 
@@ -353,3 +367,23 @@ def test_errors_are_events_too(profile):
     (event,) = events(run.stdout)
     assert event["event"] == "error" and event["code"] == 3
     assert run.stderr == f"lccal: {event['text']}\n"
+
+
+@pytest.mark.parametrize("arguments", [("--bogus", "--json"), ("--readings", "0", "--json"),
+                                       ("verify", "--tolerance", "x", "--json"),
+                                       ("--json", "--material", "--json", "frobnicate")])
+def test_errors_are_events_wherever_json_stands(arguments):
+    run = lccal(*arguments)
+    (event,) = events(run.stdout)
+    assert event["event"] == "error" and event["code"] == run.returncode == 2
+
+
+def test_json_that_is_the_value_of_an_option_asks_for_nothing():
+    run = lccal("--material", "--json", "--bogus")
+    assert run.returncode == 2 and run.stdout == ""
+
+
+def test_nobody_presses(profile):
+    with Emulator() as device:
+        run = lccal("--port", device.port, "--yes", "--timeout", 0.2, "-o", profile)
+    assert_failed(run, 5, profile, "sent nothing within 1 s; press the button")

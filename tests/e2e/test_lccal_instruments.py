@@ -10,9 +10,11 @@ import pytest
 from lccal_bench import (
     DEADLINE,
     LCCAL,
+    PATIENCE,
     Emulator,
     environment,
     events,
+    in_time,
     keyword,
     lccal,
     rows,
@@ -27,7 +29,7 @@ def densities(path):
     return [float(row[-2]) for row in rows(path)]
 
 
-def measure(profile, *emulator, instrument, readings=2, timeout=20):
+def measure(profile, *emulator, instrument, readings=2, timeout=PATIENCE):
     with Emulator("--auto-press", readings, *emulator) as device:
         return lccal("--port", device.port, "--instrument", instrument, "--yes", "--readings",
                      readings, "--timeout", timeout, "-o", profile)
@@ -64,21 +66,24 @@ NO_READINGS.append(("xrite-400", "colour-only"))  # nothing of the visual filter
 @pytest.fixture(scope="module")
 def unread(tmp_path_factory):
     """All of them at once, since each waits for a reading that never comes."""
-    def wait(case, folder):
+    def end(case, folder):
         preset, fault = case
         profile = folder / "p.cgats"
-        run = measure(profile, "--model", f"line:{preset}", "--fault", fault,
-                      instrument=f"line:{preset}", readings=1, timeout=2)
-        return run, profile
 
-    return together(wait, NO_READINGS, tmp_path_factory)
+        def wait(seconds):
+            return measure(profile, "--model", f"line:{preset}", "--fault", fault,
+                           instrument=f"line:{preset}", readings=1, timeout=seconds)
+
+        return in_time(wait, "but no reading"), profile
+
+    return together(end, NO_READINGS, tmp_path_factory)
 
 
 @pytest.mark.parametrize("case", NO_READINGS, ids="-".join)
 def test_damaged_line_is_no_reading(unread, case):
     run, profile = unread[case]
     assert run.returncode == 5, run.stderr
-    assert "no reading" in run.stderr
+    assert "but no reading" in run.stderr
     assert not profile.exists()
 
 
@@ -142,7 +147,7 @@ def on_usb(*arguments, emulator=()):
     return run
 
 
-def colorhug(profile, *emulator, port="hid:273f:1004", instrument="auto", timeout=20):
+def colorhug(profile, *emulator, port="hid:273f:1004", instrument="auto", timeout=PATIENCE):
     return on_usb("--port", port, "--instrument", instrument, "--yes", "--readings", 2,
                   "--timeout", timeout, "--json", "-o", profile,
                   emulator=("--auto-press", 2, *emulator))

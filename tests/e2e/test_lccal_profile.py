@@ -114,8 +114,8 @@ def test_verify_accepts_a_device_that_stayed(tmp_path, profile):
     other = enter(tmp_path / "q.cgats", dmin="0.08", dmax="1.46")
     run = lccal("verify", profile, "--against", other, "--json")
     assert run.returncode == 0, run.stderr
-    told = events(run.stdout)[-1]
-    assert told["event"] == "verify"
+    (told,) = events(run.stdout)
+    assert told["event"] == "verify" and told["code"] == 0
     assert told["d_min_change"] == pytest.approx(0.01)
     assert told["d_max_change"] == pytest.approx(0.02)
 
@@ -124,9 +124,12 @@ def test_verify_accepts_a_device_that_stayed(tmp_path, profile):
                                                ("0.02", "1.44", "D_min by -0.05")])
 def test_verify_finds_a_device_that_changed(tmp_path, profile, dmin, dmax, words):
     other = enter(tmp_path / "q.cgats", dmin=dmin, dmax=dmax)
-    run = lccal("verify", profile, "--against", other)
+    run = lccal("verify", profile, "--against", other, "--json")
     assert run.returncode == 8
     assert words in run.stderr
+    (told,) = events(run.stdout)
+    assert told["event"] == "verify" and told["code"] == 8 and words in told["text"]
+    assert abs(told["d_min_change"]) + abs(told["d_max_change"]) > 0.03
     assert lccal("verify", profile, "--against", other, "--tolerance", "0.1").returncode == 0
 
 

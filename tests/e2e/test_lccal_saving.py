@@ -6,6 +6,7 @@ import os
 import resource
 import shutil
 import subprocess
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -130,14 +131,15 @@ def test_folder_is_missing(tmp_path, script):
     assert "none/p.cgats" in run.stderr and "No such file" in run.stderr
 
 
-def test_folder_may_not_be_written(tmp_path, script):
+def test_folder_may_not_be_written(script):
     if os.geteuid() != 0:
         pytest.skip("only root can take a permission away here")
-    folder = tmp_path / "locked"
-    folder.mkdir(mode=0o555)
-    for parent in (tmp_path, *tmp_path.parents, script.parent, script.parent.parent):
-        if str(parent).startswith("/tmp/"):
-            parent.chmod(parent.stat().st_mode | 0o055)
-    run = measure(script, folder / "p.cgats", user=65534, group=65534)
+    with tempfile.TemporaryDirectory() as name:  # pytest's folders are for their owner alone
+        open_to_all = Path(name)
+        open_to_all.chmod(0o755)
+        folder = open_to_all / "locked"
+        folder.mkdir(mode=0o555)
+        script = shutil.copy(script, open_to_all / "m.script")
+        run = measure(script, folder / "p.cgats", user=65534, group=65534)
     assert run.returncode == 4, run.stderr
     assert "Permission denied" in run.stderr and "-o" in run.stderr

@@ -207,9 +207,10 @@ def test_an_interrupted_run_leaves_nothing(tmp_path, light, number, code):
     run = subprocess.Popen(
         [LCOR, "correct", large, "--illuminance", light, "--contrast", "9", "-o", out],
         stderr=subprocess.PIPE,
+        preexec_fn=lambda: os.nice(5),  # whoever watches it comes first
     )
     # The temporary file shows that the signals are handled and the work has begun.
-    for _ in range(2000):
+    for _ in range(24000):
         if (
             any(name.startswith(".lcor-") for name in os.listdir(tmp_path))
             or run.poll() is not None
@@ -217,7 +218,7 @@ def test_an_interrupted_run_leaves_nothing(tmp_path, light, number, code):
             break
         time.sleep(0.005)
     run.send_signal(number)
-    assert run.wait(timeout=60) == code
+    assert run.wait(timeout=240) == code
     assert out.read_bytes() == b"old"
     assert sorted(os.listdir(tmp_path)) == ["large.png", "light.pfm", "out.tif"]
 

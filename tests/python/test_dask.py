@@ -21,7 +21,7 @@ def client():
         ) as cluster,
         distributed.Client(cluster) as client,
     ):
-        assert len(client.scheduler_info()["workers"]) == 2
+        client.wait_for_workers(2, timeout=240)
         yield client
 
 
