@@ -240,5 +240,9 @@ typedef struct gather_errors {
     double noise, field; /* parts of rms: of the answer's rays, and of the field they read */
 } gather_errors;
 int gather_estimate(gather *g, size_t n, gather_errors *out);
+/* Squares of a sample of `count` spread: what to multiply a root of their mean by. */
+double gather_upper_end(size_t count);
+/* rms from its parts. */
+void gather_sum_errors(gather_errors *e, size_t count);
 
 #endif

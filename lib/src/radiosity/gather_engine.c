@@ -17,8 +17,10 @@ static const double leaves_wanted = 100, rays_wanted = 100;
 static const double rate_guess = 3e5;
 /* Samples that an answer may take, and those it may always take. */
 static const double samples_most = 1 << 18, samples_least = 128;
-/* An answer's part of the tolerance. */
-static const double stop_share = 0.85;
+/* An answer's part of the tolerance at first, and what is aimed at in the end. */
+static const double stop_share = 0.85, aim = 0.9;
+/* What one step may divide an answer's accuracy by, or add to its noise. */
+static const double stop_step = 0.1, noise_step = 1.5;
 /* Answers are not pursued further than this, and when a limit is met, than that. */
 static const double stop_least = 5e-4, stop_hurried = 0.01;
 /* Rays of one sample, about: to a target, on to the next surface, and from there. */
@@ -213,16 +215,48 @@ static void describe(lcor_solution *s)
                    (unsigned long)fields, g->guide.count, g->channels, g->channels == 1 ? "" : "s");
 }
 
+/* Noise that leaves room for what is estimated on top of it and for the field's own error. */
+static double noise_wanted(double field, double tolerance)
+{
+    const double all = aim / gather_upper_end(SAMPLE) * tolerance;
+
+    return sqrt(fmax(all * all - field * field, 0.25 * all * all));
+}
+
+/* By what to multiply `stop` for so many times the noise. Shared effort errs by the root of it. */
+static double stop_for(const gather *g, double noise)
+{
+    return g->effort.share ? noise * noise : noise;
+}
+
 /* More of what the error came from. */
 static void strive(gather *g, const gather_errors *e, double tolerance)
 {
-    if (e->noise > 0.6 * tolerance)
-        g->effort.stop = fmax(stop_least, g->effort.stop * fmax(0.3, 0.5 * tolerance / e->noise));
+    double field = e->field;
+
     if (e->field > 0.5 * tolerance) {
         g->effort.rays *= 2;
         g->effort.near *= 1.5;
         g->effort.leaf_size *= 0.75;
+        field *= 0.5;
     }
+    if (e->noise > noise_wanted(field, tolerance))
+        g->effort.stop =
+            fmax(stop_least,
+                 g->effort.stop *
+                     fmax(stop_step, stop_for(g, noise_wanted(field, tolerance) / e->noise)));
+}
+
+/* The other way round: answers that are more accurate than asked for cost too much. */
+static void relax(gather *g, gather_errors *e, double tolerance)
+{
+    const double more = fmin(noise_wanted(e->field, tolerance) / fmax(e->noise, 1e-9), noise_step);
+
+    if (more <= 1)
+        return;
+    g->effort.stop *= stop_for(g, more);
+    e->noise *= more;
+    gather_sum_errors(e, SAMPLE);
 }
 
 static lcor_status solve(lcor_solution *s, lcor_error *err)
@@ -247,6 +281,9 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
             g->effort.stop = fmax(g->effort.stop, stop_hurried);
         if (!set_mean(g) || !gather_estimate(g, SAMPLE, &errors))
             goto stopped;
+        s->report.converged = wanted_error(s, &errors) <= s->options.tolerance;
+        if (s->report.converged && s->options.norm == LCOR_NORM_RMS)
+            relax(g, &errors, s->options.tolerance);
         s->report.error_rms = errors.rms;
         s->report.error_max = errors.max;
         s->report.iterations = g->iterations;
@@ -254,7 +291,6 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
         s->report.rays = g->rays;
         if (gather_bytes(g) > s->report.bytes)
             s->report.bytes = gather_bytes(g);
-        s->report.converged = wanted_error(s, &errors) <= s->options.tolerance;
         if (s->report.converged || g->hurry)
             break;
         strive(g, &errors, s->options.tolerance);

@@ -118,6 +118,7 @@ static void verify_task(void *arg, size_t i)
     light_at(&g->solution->lights, stand.x, stand.normal, stand.surface, direct);
     memcpy(first, direct, sizeof first);
     memcpy(second, direct, sizeof second);
+    q.stop *= q.share_effort ? 2 : sqrt(2); /* half the usual effort for each */
     q.errors = job->half;
     v->rays = gather_answer(g, &q, first, v->bias);
     q.errors = NULL;
@@ -128,6 +129,16 @@ static void verify_task(void *arg, size_t i)
     v->noise = v->lit ? (mean_of(g, first) - mean_of(g, second)) / scale : 0;
     for (int h = 0; h < HALVES; h++)
         v->bias[h] /= v->lit ? scale : 1;
+}
+
+/* Squared error of an answer of the usual effort, by the difference of two with half of it. */
+static double square_of_answer(const verdict *v) { return 0.25 * v->noise * v->noise; }
+
+double gather_upper_end(size_t count) { return 1 + 1 / sqrt((double)count); }
+
+void gather_sum_errors(gather_errors *e, size_t count)
+{
+    e->rms = sqrt(e->noise * e->noise + e->field * e->field) * gather_upper_end(count);
 }
 
 static void summarise(const verdict *verdicts, size_t n, gather_errors *out)
@@ -142,18 +153,17 @@ static void summarise(const verdict *verdicts, size_t n, gather_errors *out)
         if (!v->lit)
             continue;
         count++;
-        noise += 0.5 * v->noise * v->noise;
+        noise += square_of_answer(v);
         square += v->bias[0] * v->bias[1];
         out->bias += bias;
-        out->max = fmax(out->max, sqrt(0.5 * v->noise * v->noise + bias * bias));
+        out->max = fmax(out->max, sqrt(square_of_answer(v) + bias * bias));
     }
     if (!(count > 0))
         return;
     out->bias /= count;
     out->noise = sqrt(noise / count);
     out->field = sqrt(fmax(square / count, 0));
-    /* Squares of a sample spread: its upper end. */
-    out->rms = sqrt(out->noise * out->noise + out->field * out->field) * (1 + 1 / sqrt(count));
+    gather_sum_errors(out, (size_t)count);
 }
 
 int gather_estimate(gather *g, size_t n, gather_errors *out)

@@ -5,6 +5,7 @@
 #include "geometry/vec.h"
 #include "radiosity/gather.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,7 +16,7 @@ static const double pi = 3.14159265358979323846;
 /* Brighter than the mean by this factor: worth a look of its own. */
 static const double bright = 0.6;
 /* Variance that guiding must take away, of the irradiance squared, to be worth its rays. */
-static const double worth = 0.01;
+static const double worth = 0.1;
 /* Cells are split while their parts differ by this factor and they hold more than this part of
  * all brightness. */
 static const double uneven = 1.5, least_share = 1.0 / 512;
@@ -211,6 +212,29 @@ static int compare_cells(const void *a, const void *b)
     return p->cell < q->cell ? -1 : p->cell > q->cell;
 }
 
+static void set_target(gather *g, int number, int32_t cell)
+{
+    guide *d = &g->guide;
+    guide_cell *c = cell_at(d, cell);
+    const guide_root *r = root_at(d, c->root);
+    const double q[2] = {c->low[0] + 0.5 * c->size, c->low[1] + 0.5 * c->size};
+    const double scale = 1 / g->scene->diameter, area = c->size * c->size * r->area;
+    guide_row *row = &d->rows[number / GUIDE_LANES];
+    const int lane = number % GUIDE_LANES;
+    double centre[3], normal[3];
+
+    c->target = number;
+    d->targets[number] = (guide_target){area, cell};
+    root_place(r, q, centre);
+    root_normal(g, r, normal);
+    for (int k = 0; k < 3; k++) {
+        row->centre[k][lane] = (float)((centre[k] - d->origin[k]) * scale);
+        row->normal[k][lane] = (float)normal[k];
+    }
+    row->area[lane] = (float)(area * scale * scale);
+    row->brightness[lane] = (float)(c->brightness / d->mean);
+}
+
 /* The brightest cells become targets: those that a cosine-weighted ray would find too seldom. */
 static int choose_targets(gather *g)
 {
@@ -230,19 +254,11 @@ static int choose_targets(gather *g)
     qsort(ranks, count, sizeof *ranks, compare_ranks);
     d->count = count < GUIDE_TARGETS ? (int)count : GUIDE_TARGETS;
     qsort(ranks, (size_t)d->count, sizeof *ranks, compare_cells); /* neighbours side by side */
-    for (int i = 0; i < d->count; i++) {
-        guide_cell *c = cell_at(d, ranks[i].cell);
-        const guide_root *r = root_at(d, c->root);
-        const double q[2] = {c->low[0] + 0.5 * c->size, c->low[1] + 0.5 * c->size};
-        guide_target *t = &d->targets[i];
-
-        c->target = i;
-        root_place(r, q, t->centre);
-        root_normal(g, r, t->normal);
-        t->area = c->size * c->size * r->area;
-        t->brightness = c->brightness;
-        t->cell = ranks[i].cell;
-    }
+    d->row_count = (d->count + GUIDE_LANES - 1) / GUIDE_LANES;
+    memset(d->rows, 0, sizeof d->rows);
+    vec_copy(g->scene->corners.items, d->origin);
+    for (int i = 0; i < d->count; i++) /* neighbours one below the other: a lane is a place */
+        set_target(g, i / d->row_count + GUIDE_LANES * (i % d->row_count), ranks[i].cell);
     lcor_internal_free(g->allocator, ranks);
     return 1;
 }
@@ -329,87 +345,127 @@ void guide_clear(gather *g)
     d->count = 0;
 }
 
-/* Of the first-hand light of a cosine-weighted ray, the rest of the hemisphere being average. */
-static double variance(const guide *d, double sum, double square, double covered)
+/* Sums over the targets of each lane. */
+typedef struct lanes {
+    float covered[GUIDE_LANES]; /* form factors, */
+    float light[GUIDE_LANES];   /* times brightness, */
+    float square[GUIDE_LANES];  /* times brightness squared */
+} lanes;
+
+static void look_at_row(const guide_row *row, const float x[3], const float normal[3],
+                        float share[GUIDE_LANES], lanes *sums)
+{
+    for (int i = 0; i < GUIDE_LANES; i++) {
+        const float a = row->centre[0][i] - x[0], b = row->centre[1][i] - x[1],
+                    c = row->centre[2][i] - x[2], area = row->area[i];
+        const float height = a * normal[0] + b * normal[1] + c * normal[2];
+        const float cosine =
+            -(a * row->normal[0][i] + b * row->normal[1][i] + c * row->normal[2][i]);
+        const float square = a * a + b * b + c * c;
+        const float seen = (height > 0 ? height : 0) * (cosine > 0 ? cosine : 0) * area;
+        const float factor = seen / (square * ((float)pi * square + area) + FLT_MIN);
+        const float light = factor * row->brightness[i];
+
+        share[i] = light;
+        sums->covered[i] += factor;
+        sums->light[i] += light;
+        sums->square[i] += light * row->brightness[i];
+    }
+}
+
+static double sum_lanes(const float v[GUIDE_LANES])
+{
+    double sum = 0;
+
+    for (int i = 0; i < GUIDE_LANES; i++)
+        sum += (double)v[i];
+    return sum;
+}
+
+/* Of the first-hand light of a cosine-weighted ray over its mean everywhere, the rest of the
+ * hemisphere being average. */
+static double variance(double light, double square, double covered)
 {
     const double rest = fmax(1 - covered, 0), all = covered + rest;
-    const double mean = (sum + rest * d->mean) / all;
+    const double mean = (light + rest) / all;
 
-    return (square + rest * d->mean * d->mean) / all - mean * mean;
+    return (square + rest) / all - mean * mean;
 }
 
 int guide_look(const gather *g, const double x[3], const double normal[3], double expected,
                guide_view *view)
 {
     const guide *d = &g->guide;
-    double sum = 0, square = 0, covered = 0;
+    const double relative = expected / d->mean;
+    lanes sums = {{0}, {0}, {0}};
+    float from[3], towards[3];
 
-    for (int i = 0; i < d->count; i++) {
-        const guide_target *t = &d->targets[i];
-        double to[3], distance2, height, cosine, factor = 0;
-
-        view->sum[i] = sum;
-        vec_sub(t->centre, x, to);
-        distance2 = vec_dot(to, to);
-        height = vec_dot(to, normal);
-        cosine = -vec_dot(to, t->normal);
-        if (height > 0 && cosine > 0)
-            factor = height * cosine * t->area / (distance2 * (pi * distance2 + t->area));
-        sum += t->brightness * factor;
-        square += t->brightness * t->brightness * factor;
-        covered += factor;
-    }
-    if (!(sum > 0) || variance(d, sum, square, covered) <= worth * expected * expected)
+    if (d->count == 0)
         return 0;
-    for (int i = 0; i < d->count; i++)
-        view->sum[i] /= sum;
-    view->sum[d->count] = 1;
-    return 1;
+    for (int k = 0; k < 3; k++) {
+        from[k] = (float)((x[k] - d->origin[k]) / g->scene->diameter);
+        towards[k] = (float)normal[k];
+    }
+    for (int r = 0; r < d->row_count; r++)
+        look_at_row(&d->rows[r], from, towards, view->share[r], &sums);
+    memcpy(view->lane, sums.light, sizeof view->lane);
+    view->all = sum_lanes(view->lane);
+    return view->all > 0 && variance(view->all, sum_lanes(sums.square), sum_lanes(sums.covered)) >
+                                worth * relative * relative;
+}
+
+/* The one of `count` shares, `stride` apart, in which *at falls; *at becomes the place in it. */
+static int choose_share(const float *shares, int count, int stride, double *at)
+{
+    double before = 0, sum = 0;
+    int chosen = 0;
+
+    for (int i = 0; i < count && sum <= *at; i++) {
+        if (!(shares[i * stride] > 0))
+            continue;
+        chosen = i;
+        before = sum;
+        sum += (double)shares[i * stride];
+    }
+    *at -= before;
+    return chosen;
 }
 
 void guide_choose(const gather *g, const guide_view *view, double a, double b, guide_place *out)
 {
     const guide *d = &g->guide;
-    int low = 0, high = d->count - 1;
+    double at = a * view->all, q[2], share;
     const guide_cell *c;
     const guide_root *r;
-    double q[2], share;
+    int lane, row;
 
-    while (low < high) { /* the last target that begins at or before a */
-        const int middle = (low + high + 1) / 2;
-
-        if (view->sum[middle] <= a)
-            low = middle;
-        else
-            high = middle - 1;
-    }
-    share = view->sum[low + 1] - view->sum[low];
-    c = cell_at(d, d->targets[low].cell);
+    lane = choose_share(view->lane, GUIDE_LANES, 1, &at);
+    row = choose_share(view->share[0] + lane, d->row_count, GUIDE_LANES, &at);
+    share = (double)view->share[row][lane];
+    out->target = lane + GUIDE_LANES * row;
+    c = cell_at(d, d->targets[out->target].cell);
     r = root_at(d, c->root);
-    q[0] = c->low[0] + c->size * (share > 0 ? fmin((a - view->sum[low]) / share, 1) : 0.5);
+    q[0] = c->low[0] + c->size * fmin(at / share, 1);
     q[1] = c->low[1] + c->size * b;
     root_place(r, q, out->x);
     root_normal(g, r, out->normal);
-    out->density = share / d->targets[low].area;
+    out->density = share / (view->all * d->targets[out->target].area);
     out->surface = r->surface;
     out->back = r->back;
-    out->target = low;
 }
 
 void guide_learn(const gather *g, guide_view *view, const int tries[GUIDE_TARGETS],
                  const int seen[GUIDE_TARGETS])
 {
-    double sum = 0, next = view->sum[0];
+    memset(view->lane, 0, sizeof view->lane);
+    for (int r = 0; r < g->guide.row_count; r++)
+        for (int i = 0; i < GUIDE_LANES; i++) {
+            const int target = r * GUIDE_LANES + i;
 
-    for (int i = 0; i < g->guide.count; i++) {
-        const double share = view->sum[i + 1] - next;
-
-        next = view->sum[i + 1];
-        view->sum[i] = sum;
-        sum += share * (seen[i] + 0.5) / (tries[i] + 0.5);
-    }
-    for (int i = 0; i < g->guide.count; i++)
-        view->sum[i] /= sum;
+            view->share[r][i] *= ((float)seen[target] + 0.5f) / ((float)tries[target] + 0.5f);
+            view->lane[i] += view->share[r][i];
+        }
+    view->all = sum_lanes(view->lane);
 }
 
 double guide_density(const gather *g, const guide_view *view, uint32_t prim, int back,
@@ -431,5 +487,6 @@ double guide_density(const gather *g, const guide_view *view, uint32_t prim, int
     }
     if (c->target < 0)
         return 0;
-    return (view->sum[c->target + 1] - view->sum[c->target]) / d->targets[c->target].area;
+    return (double)view->share[c->target / GUIDE_LANES][c->target % GUIDE_LANES] /
+           (view->all * d->targets[c->target].area);
 }

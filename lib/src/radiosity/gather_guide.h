@@ -7,7 +7,8 @@
 
 #include <stdint.h>
 
-enum { GUIDE_TARGETS = 256 };
+/* Targets are looked at in rows, and chosen by lane first. */
+enum { GUIDE_LANES = 16, GUIDE_ROWS = 16, GUIDE_TARGETS = GUIDE_LANES * GUIDE_ROWS };
 
 struct gather;
 struct gather_stand;
@@ -31,26 +32,36 @@ typedef struct guide_root {
 } guide_root;
 
 typedef struct guide_target {
-    double centre[3], normal[3], area, brightness;
+    double area;
     int32_t cell;
 } guide_target;
 
+/* What a look needs of a row of targets: lengths in diameters of the scene, brightness over the
+ * mean. Single precision will do for a probability. */
+typedef struct guide_row {
+    float centre[3][GUIDE_LANES], normal[3][GUIDE_LANES], area[GUIDE_LANES],
+        brightness[GUIDE_LANES];
+} guide_row;
+
 typedef struct guide {
     lcor_array roots, cells;
-    int32_t *root_of;   /* per primitive and side, or -1 */
-    unsigned char *lit; /* per primitive: its front gets or sends light directly */
-    guide_target targets[GUIDE_TARGETS];
-    int count;
-    double mean; /* brightness of what is seen on average */
+    int32_t *root_of;                    /* per primitive and side, or -1 */
+    unsigned char *lit;                  /* per primitive: its front gets or sends light directly */
+    guide_target targets[GUIDE_TARGETS]; /* number lane + GUIDE_LANES * row */
+    guide_row rows[GUIDE_ROWS];
+    int count, row_count;
+    double origin[3]; /* of the rows' lengths */
+    double mean;      /* brightness of what is seen on average */
 } guide;
 
 /* Finds what is bright. Returns 0 without memory. */
 int guide_build(struct gather *g);
 void guide_clear(struct gather *g);
 
-/* Probability of each target as seen from one place. */
+/* Shares of the targets as seen from one place. */
 typedef struct guide_view {
-    double sum[GUIDE_TARGETS + 1]; /* of the probabilities before target i */
+    float share[GUIDE_ROWS][GUIDE_LANES], lane[GUIDE_LANES]; /* and sums of each lane */
+    double all;
 } guide_view;
 
 /* Returns 0 if guiding does not pay where the irradiance is about `expected`. */
