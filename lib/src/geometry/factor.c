@@ -3,6 +3,12 @@
 
 #include "geometry/vec.h"
 
+enum { LANES = 8 };
+
+/* An edge along the receiver's normal sees nothing of its plane: squared sine of what counts as
+ * along. */
+static const double along_normal = 1e-28;
+
 static const double half_pi = 1.57079632679489661923, quarter_pi = 0.78539816339744830962;
 static const double tan_eighth_pi = 0.41421356237309504880;
 
@@ -118,11 +124,33 @@ double lcor_factor_point(const double x[3], const double normal[3], size_t n, co
     return factor(normal, n, r);
 }
 
+/* Adds edge p-q of the contours around LANES points. With a the way to p, cross product and height
+ * of the triangle a x b are a x edge and a . (edge x normal). */
+static void add_edge(const double px[LANES], const double py[LANES], const double pz[LANES],
+                     const double normal[3], const double p[3], const double q[3],
+                     double sum[LANES])
+{
+    double edge[3], m[3];
+
+    vec_sub(q, p, edge);
+    vec_cross(edge, normal, m);
+    if (vec_dot(m, m) <= along_normal * vec_dot(edge, edge))
+        return;
+    for (int i = 0; i < LANES; i++) {
+        const double ax = p[0] - px[i], ay = p[1] - py[i], az = p[2] - pz[i];
+        const double bx = q[0] - px[i], by = q[1] - py[i], bz = q[2] - pz[i];
+        const double cx = ay * edge[2] - az * edge[1], cy = az * edge[0] - ax * edge[2],
+                     cz = ax * edge[1] - ay * edge[0];
+        const double length = sqrt(cx * cx + cy * cy + cz * cz);
+        const double height = ax * m[0] + ay * m[1] + az * m[2];
+
+        sum[i] += height / (length > 0 ? length : 1) * angle(length, ax * bx + ay * by + az * bz);
+    }
+}
+
 void lcor_factor_points(size_t n, const double *x, const double *y, const double *z,
                         const double normal[3], const double corners[4][3], double *factors)
 {
-    enum { LANES = 8 };
-
     for (size_t base = 0; base < n; base += LANES) {
         const size_t count = n - base < LANES ? n - base : LANES;
         double px[LANES], py[LANES], pz[LANES], sum[LANES];
@@ -135,20 +163,8 @@ void lcor_factor_points(size_t n, const double *x, const double *y, const double
             pz[i] = z[k];
             sum[i] = 0;
         }
-        for (int e = 0; e < 4; e++) {
-            const double *p = corners[e], *q = corners[(e + 1) % 4];
-
-            for (int i = 0; i < LANES; i++) {
-                const double ax = p[0] - px[i], ay = p[1] - py[i], az = p[2] - pz[i];
-                const double bx = q[0] - px[i], by = q[1] - py[i], bz = q[2] - pz[i];
-                const double cx = ay * bz - az * by, cy = az * bx - ax * bz, cz = ax * by - ay * bx;
-                const double length = sqrt(cx * cx + cy * cy + cz * cz);
-                const double across = cx * normal[0] + cy * normal[1] + cz * normal[2];
-
-                sum[i] +=
-                    across / (length > 0 ? length : 1) * angle(length, ax * bx + ay * by + az * bz);
-            }
-        }
+        for (int e = 0; e < 4; e++)
+            add_edge(px, py, pz, normal, corners[e], corners[(e + 1) % 4], sum);
         for (size_t i = 0; i < count; i++)
             factors[base + i] = fabs(sum[i]) / (4 * half_pi);
     }

@@ -6,6 +6,7 @@
 #include "radiosity/moments.h"
 #include "radiosity/transfer.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { CHUNK = 16, BATCH = 64 };
@@ -22,19 +23,50 @@ void links_run(const links *l, size_t n, void (*task)(void *arg, size_t i), void
             task(arg, i);
 }
 
+/* Axis of the receiver along which nodes are about as far from the sender's plane. */
+static int level_axis(const links_element *r, const face *fr, const face *fs)
+{
+    return fabs(vec_dot(fr->u, fs->normal)) * r->c.hs < fabs(vec_dot(fr->v, fs->normal)) * r->c.ht
+               ? 0
+               : 1;
+}
+
+static void fill_open(const links *l, const links_link *link, double (*x)[3], links_block *block)
+{
+    const links_element *r = links_at(l, link->receiver), *s = links_at(l, link->sender);
+    const face *fr = links_face_of(l, r), *fs = links_face_of(l, s);
+    const int step = level_axis(r, fr, fs) == 0 ? RULE_P : 1, next = RULE_P + 1 - step;
+
+    for (int line = 0; line < RULE_P; line++) {
+        double at[TRANSFER_LANES][3], exact[TRANSFER_LANES];
+        float weights[TRANSFER_LANES][RULE_Q];
+
+        for (int i = 0; i < TRANSFER_LANES; i++) {
+            vec_copy(x[line * next + i * step], at[i]);
+            exact[i] = block->exact[line * next + i * step];
+        }
+        transfer_open(at, fr->normal, fs, &s->c, (double)link->accuracy, exact, weights);
+        for (int k = 0; k < RULE_Q; k++)
+            for (int i = 0; i < TRANSFER_LANES; i++)
+                block->k[k][line * next + i * step] = weights[i][k];
+    }
+}
+
 static void fill_link(const links *l, const links_link *link)
 {
     const links_element *r = links_at(l, link->receiver), *s = links_at(l, link->sender);
     const face *fr = links_face_of(l, r), *fs = links_face_of(l, s);
     links_block *block = (links_block *)l->blocks.items + link->block;
-    double x[RULE_Q][3], factors[RULE_Q];
-    int known;
+    double x[RULE_Q][3];
 
     for (int i = 0; i < RULE_Q; i++)
         face_point(fr, r->c.s0 + rule_x[i / RULE_P] * r->c.hs,
                    r->c.t0 + rule_x[i % RULE_P] * r->c.ht, x[i]);
-    known =
-        link->occluder_count == 0 && transfer_factors(l->scene, fr, RULE_Q, x, fs, &s->c, factors);
+    if (link->occluder_count == 0 &&
+        transfer_factors(l->scene, fr, RULE_Q, x, fs, &s->c, block->exact)) {
+        fill_open(l, link, x, block);
+        return;
+    }
     for (int i = 0; i < RULE_Q; i++) {
         float weights[RULE_Q];
         transfer t;
@@ -42,7 +74,7 @@ static void fill_link(const links *l, const links_link *link)
         transfer_aim(&t, l->scene, x[i], fr->normal, fs,
                      (const uint32_t *)l->occluders.items + link->first_occluder,
                      link->occluder_count, (double)link->accuracy);
-        block->exact[i] = transfer_weights(&t, &s->c, known ? factors[i] : -1, weights);
+        block->exact[i] = transfer_weights(&t, &s->c, weights);
         for (int k = 0; k < RULE_Q; k++)
             block->k[k][i] = weights[k];
     }

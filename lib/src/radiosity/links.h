@@ -50,6 +50,10 @@ typedef struct links_block {
     double exact[RULE_Q];
 } links_block;
 
+typedef struct links_mean { /* of an element's radiosity, and the largest deviation from it */
+    double value, deviation;
+} links_mean;
+
 typedef struct links links;
 struct links {
     const lcor_scene *scene;
@@ -66,8 +70,8 @@ struct links {
     lcor_array occluders;                     /* uint32_t */
     lcor_array scratch;                       /* uint32_t, used as a stack while refining */
     lcor_array irradiance, radiosity, source; /* double[RULE_Q * channels] an element */
-    lcor_array deviation;                     /* double[RULE_Q * channels] an element: B - mean */
-    lcor_array mean;                          /* double[channels] an element: mean B */
+    lcor_array mean;                          /* links_mean[channels] an element */
+    lcor_array deviation;                     /* float[RULE_Q * channels]: (B - mean) / deviation */
     lcor_array work;                          /* double, of the solve */
     size_t leaf_count, basis_bytes;           /* the second: of the last linear solve */
     void (*poll)(links *l);                   /* called now and then: may set hurry or cancelled */

@@ -34,11 +34,11 @@ static uint64_t bytes_held(const links *l)
     return l->faces.capacity * sizeof(face) + l->elements.capacity * sizeof(links_element) +
            l->list.capacity * sizeof(links_link) + l->blocks.capacity * sizeof(links_block) +
            (l->occluders.capacity + l->scratch.capacity) * sizeof(uint32_t) +
-           (l->irradiance.capacity + l->radiosity.capacity + l->source.capacity +
-            l->deviation.capacity) *
-               sizeof(double) * values +
-           (l->mean.capacity * (size_t)l->channels + l->work.capacity) * sizeof(double) +
-           l->basis_bytes;
+           (l->irradiance.capacity + l->radiosity.capacity + l->source.capacity) * sizeof(double) *
+               values +
+           l->deviation.capacity * sizeof(float) * values +
+           l->mean.capacity * (size_t)l->channels * sizeof(links_mean) +
+           l->work.capacity * sizeof(double) + l->basis_bytes;
 }
 
 static double wanted_error(const lcor_solution *s, const links_errors *e)

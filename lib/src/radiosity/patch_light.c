@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { OCCLUDERS_MAX = SIGHT_CONES, HALVINGS = 4, RAY_DOUBLINGS = 11 };
+enum { OCCLUDERS_MAX = SIGHT_CONES, HALVINGS = 4, RAY_DOUBLINGS = 11, BLOCK = 16 };
 
 /* Rays need not be as accurate as quadrature. */
 static const double rays_accuracy = 80;
@@ -164,7 +164,7 @@ static int points_needed(const quad_job *j, const cell *block)
 /* Averages of an isotropic or parallel light over unshadowed patches of one row. */
 static void clear_row(const quad_job *j, size_t row, size_t first, size_t end, int points)
 {
-    double height, from[3];
+    double height, from[3], to[3];
 
     if (j->light->kind == LCOR_LIGHT_DIRECTIONAL) {
         const double value = lcor_direct_unshadowed(j->light, j->whole.origin, j->whole.normal);
@@ -179,21 +179,21 @@ static void clear_row(const quad_job *j, size_t row, size_t first, size_t end, i
         return;
     for (int a = 0; a < points; a++) {
         const double s = ((double)row + (points == 2 ? gauss2[a] : 0.5)) / (double)j->nu;
-        const double dx = s * j->whole.u[0] - from[0], dy = s * j->whole.u[1] - from[1],
-                     dz = s * j->whole.u[2] - from[2];
-        const double *v = j->whole.v;
+        const double length = vec_length(j->whole.v), share = height / (points * points);
+        double foot, off2; /* of the light on the row's line, and its squared distance from it */
 
+        vec_add_scaled(from, -s, j->whole.u, to);
+        foot = vec_dot(to, j->whole.v) / length;
+        off2 = fmax(vec_dot(to, to) - foot * foot, height * height);
         for (int b = 0; b < points; b++)
-            for (size_t base = first; base < end; base += 16) {
-                const size_t n = end - base < 16 ? end - base : 16;
+            for (size_t base = first; base < end; base += BLOCK) {
+                const size_t n = end - base < BLOCK ? end - base : BLOCK;
                 const double offset = (double)base + (points == 2 ? gauss2[b] : 0.5);
-                const double step = 1 / (double)j->nv, share = height / (points * points);
-                double value[16];
+                const double step = length / (double)j->nv, start = offset * step - foot;
+                double value[BLOCK];
 
-                for (int k = 0; k < 16; k++) {
-                    const double t = (offset + k) * step;
-                    const double x = dx + t * v[0], y = dy + t * v[1], z = dz + t * v[2];
-                    const double r2 = x * x + y * y + z * z;
+                for (int k = 0; k < BLOCK; k++) {
+                    const double x = start + k * step, r2 = x * x + off2;
 
                     value[k] = share / (r2 * sqrt(r2));
                 }

@@ -165,6 +165,14 @@ static double receiver_defect(const links *l, links_link *p, double scale, int *
     return links_may_split(l, r, *axis) ? (double)p->defect[*axis] * scale : 0;
 }
 
+/* q^-p of the worse axis. */
+static double polynomial_error(const double q[2])
+{
+    const double least = fmin(q[0], q[1]), squared = least * least;
+
+    return 1 / (squared * squared);
+}
+
 typedef enum verdict { ACCEPT, SPLIT_RECEIVER, SPLIT_SENDER } verdict;
 
 static verdict judge(const links *l, links_link *p, int *axis)
@@ -184,9 +192,8 @@ static verdict judge(const links *l, links_link *p, int *axis)
     factor = s->area / (pi * distance * distance + s->area); /* at most, of a disc */
     scale = (l->share ? fmax(least_share, sqrt(r->area / face_area)) : 1) / least;
     /* Behind an occluder's edge nothing is smooth, however far away. */
-    receiver =
-        factor * s->b_max * scale * (p->occluder_count > 0 ? 1 : pow(fmin(qr[0], qr[1]), -RULE_P));
-    sender = factor * s->rough * scale * rough_share * pow(fmin(qs[0], qs[1]), -RULE_P);
+    receiver = factor * s->b_max * scale * (p->occluder_count > 0 ? 1 : polynomial_error(qr));
+    sender = factor * s->rough * scale * rough_share * polynomial_error(qs);
     sender_axis = long_axis(l, s);
     if (!links_may_split(l, s, sender_axis))
         sender = 0;

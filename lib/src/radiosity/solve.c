@@ -62,55 +62,77 @@ static void set_deviations(links *l)
 {
     const size_t n = l->elements.count * (size_t)l->channels;
     const double *b = l->radiosity.items;
-    double *mean = l->mean.items;
-    double *out = l->deviation.items;
+    links_mean *mean = l->mean.items;
+    float *out = l->deviation.items;
 
     for (size_t i = 0; i < n; i++, b += RULE_Q, out += RULE_Q) {
-        mean[i] = 0;
+        double sum = 0, most = 0;
+
         for (int k = 0; k < RULE_Q; k++)
-            mean[i] += rule_w[k / RULE_P] * rule_w[k % RULE_P] * b[k];
+            sum += rule_w[k / RULE_P] * rule_w[k % RULE_P] * b[k];
         for (int k = 0; k < RULE_Q; k++)
-            out[k] = b[k] - mean[i];
+            most = fmax(most, fabs(b[k] - sum));
+        mean[i].value = sum;
+        mean[i].deviation = most;
+        for (int k = 0; k < RULE_Q; k++)
+            out[k] = most > 0 ? (float)((b[k] - sum) / most) : 0;
     }
 }
 
 static void receive(const links *l, const links_link *link)
 {
     const links_block *block = (const links_block *)l->blocks.items + link->block;
-    const size_t channels = (size_t)l->channels;
+    const size_t channels = (size_t)l->channels, sender = link->sender * channels;
 
     for (size_t c = 0; c < channels; c++) {
-        const double *b =
-            (const double *)l->deviation.items + (link->sender * channels + c) * RULE_Q;
-        const double mean = ((const double *)l->mean.items)[link->sender * channels + c];
+        const float *b = (const float *)l->deviation.items + (sender + c) * RULE_Q;
+        const links_mean mean = ((const links_mean *)l->mean.items)[sender + c];
         double *e = links_values(l, &l->irradiance, link->receiver) + c * RULE_Q;
 
-        for (int i = 0; i < RULE_Q; i += 4) { /* four sums at a time become two vectors */
-            double s0 = block->exact[i] * mean, s1 = block->exact[i + 1] * mean;
-            double s2 = block->exact[i + 2] * mean, s3 = block->exact[i + 3] * mean;
+        float sum[RULE_Q];
+
+        for (int i = 0; i < RULE_Q; i += 4) { /* four sums at a time become one vector */
+            float s0 = 0, s1 = 0, s2 = 0, s3 = 0;
 
             for (int k = 0; k < RULE_Q; k++) {
                 const float *row = block->k[k] + i;
 
-                s0 += (double)row[0] * b[k];
-                s1 += (double)row[1] * b[k];
-                s2 += (double)row[2] * b[k];
-                s3 += (double)row[3] * b[k];
+                s0 += row[0] * b[k];
+                s1 += row[1] * b[k];
+                s2 += row[2] * b[k];
+                s3 += row[3] * b[k];
             }
-            e[i] += s0;
-            e[i + 1] += s1;
-            e[i + 2] += s2;
-            e[i + 3] += s3;
+            sum[i] = s0;
+            sum[i + 1] = s1;
+            sum[i + 2] = s2;
+            sum[i + 3] = s3;
         }
+        for (int i = 0; i < RULE_Q; i++)
+            e[i] += block->exact[i] * mean.value + (double)sum[i] * mean.deviation;
     }
 }
+
+/* How much of the receiver's hemisphere the sender fills. */
+static void fill_hemisphere(const links *l, const links_link *link)
+{
+    const links_block *block = (const links_block *)l->blocks.items + link->block;
+    double *e = links_values(l, &l->irradiance, link->receiver);
+
+    for (int i = 0; i < RULE_Q * l->channels; i++)
+        e[i] += block->exact[i % RULE_Q];
+}
+
+typedef struct receive_job {
+    const links *l;
+    void (*add)(const links *l, const links_link *link); /* to what the receiver gets */
+} receive_job;
 
 /* Links of one receiver stay together, so that sums have one order on any number of threads. */
 static void receive_task(void *arg, size_t chunk)
 {
-    const links *l = arg;
-    const links_link *list = l->list.items;
-    const size_t n = l->list.count, parts = RECEIVERS;
+    const receive_job *job = arg;
+    const links_link *list = job->l->list.items;
+    const size_t n = job->l->list.count, parts = RECEIVERS;
     size_t first = n * chunk / parts, end = n * (chunk + 1) / parts;
 
     while (first > 0 && first < n && list[first].receiver == list[first - 1].receiver)
@@ -118,7 +140,7 @@ static void receive_task(void *arg, size_t chunk)
     while (end > 0 && end < n && list[end].receiver == list[end - 1].receiver)
         end++;
     for (size_t i = first; i < end; i++)
-        receive(l, &list[i]);
+        job->add(job->l, &list[i]);
 }
 
 static void push(links *l)
@@ -145,13 +167,14 @@ static void set_radiosity(links *l, const double *irradiance, int with_source)
     }
 }
 
-/* Irradiance of the leaves due to the elements' means and deviations. */
-static void collect(links *l, double *out)
+/* What the links bring to the leaves. */
+static void collect(links *l, void (*add)(const links *l, const links_link *link), double *out)
 {
+    receive_job job = {l, add};
     const size_t values = (size_t)(RULE_Q * l->channels);
 
     memset(l->irradiance.items, 0, l->elements.count * values * sizeof(double));
-    links_run(l, RECEIVERS, receive_task, l);
+    links_run(l, RECEIVERS, receive_task, &job);
     push(l);
     for (size_t i = 0; i < l->elements.count; i++) {
         const int leaf = links_at(l, i)->leaf;
@@ -169,7 +192,7 @@ static void transport(links *l, const double *closure, double *out)
 
     pull(l);
     set_deviations(l);
-    collect(l, out);
+    collect(l, receive, out);
     for (size_t i = 0; closure && i < n; i++)
         out[i] *= closure[i];
 }
@@ -275,17 +298,6 @@ static double energy_defect(links *l, const double *x, const double *seen)
     return power > 0 ? fabs(defect) / power : 0;
 }
 
-/* How much of each node's hemisphere its links fill: what radiosity 1 everywhere sends there. */
-static void find_seen(links *l, double *seen)
-{
-    const size_t n = l->elements.count * (size_t)l->channels;
-
-    for (size_t i = 0; i < n; i++)
-        ((double *)l->mean.items)[i] = 1;
-    memset(l->deviation.items, 0, n * RULE_Q * sizeof(double));
-    collect(l, seen);
-}
-
 /* What each node sees, or the closure that makes it exactly all of the hemisphere. */
 typedef struct reflection {
     links *l;
@@ -326,16 +338,15 @@ int links_solve(links *l, double tolerance, int max_iterations)
     l->work.count = l->mean.count = l->deviation.count = 0;
     if (!lcor_array_reserve(&l->allocator, &l->work, l->leaf_count + 3 * n, sizeof(double)) ||
         !lcor_array_reserve(&l->allocator, &l->mean, l->elements.count,
-                            (size_t)l->channels * sizeof(double)) ||
-        !lcor_array_reserve(&l->allocator, &l->deviation, l->elements.count,
-                            group * sizeof(double)))
+                            (size_t)l->channels * sizeof(links_mean)) ||
+        !lcor_array_reserve(&l->allocator, &l->deviation, l->elements.count, group * sizeof(float)))
         return 0;
     weight = l->work.items;
     seen = weight + l->leaf_count;
     right = seen + n;
     solution = right + n;
     number_leaves(l, weight);
-    find_seen(l, seen);
+    collect(l, fill_hemisphere, seen); /* what radiosity 1 everywhere sends */
     for (size_t i = 0; closed && i < n; i++)
         seen[i] = 1 / seen[i];
     r.closure = closed ? seen : NULL;

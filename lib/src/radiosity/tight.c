@@ -28,17 +28,19 @@ static void gather_element(gatherer *g, size_t index)
         return;
     g->t.accuracy = g->accuracy * fmin(1, g->expected / e->b_max);
     if (e->child >= 0) {
-        double q[2], d2, bound;
+        double q[2], least, squared;
+        const double d2 = transfer_ellipse(g->t.x, f, &e->c, q);
+        const double bound = fmin(1, e->area / (d2 + 1e-300));
 
-        d2 = transfer_ellipse(g->t.x, f, &e->c, q);
-        bound = fmin(1, e->area / (d2 + 1e-300));
-        if (bound * pow(fmin(q[0], q[1]), -RULE_P) > g->t.accuracy) {
+        least = fmin(q[0], q[1]);
+        squared = least * least;
+        if (bound > g->t.accuracy * squared * squared) {
             gather_element(g, (size_t)e->child);
             gather_element(g, (size_t)e->child + 1);
             return;
         }
     }
-    (void)transfer_weights(&g->t, &e->c, -1, weights);
+    (void)transfer_weights(&g->t, &e->c, weights);
     for (int c = 0; c < l->channels; c++) {
         const double *b = links_values(l, &l->radiosity, index) + c * RULE_Q;
 

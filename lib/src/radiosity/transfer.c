@@ -7,170 +7,236 @@
 #include <math.h>
 #include <string.h>
 
-enum { DEPTH_MAX = 64, CLIP_DEPTH_MAX = 8 };
+enum { DEPTH_MAX = 64, CLIP_DEPTH_MAX = 8, LANES = TRANSFER_LANES };
 
 static const double inv_pi = 0.31830988618379067154;
 
-/* Seen from x, a line of the cell whose half is `e` is nearest where 1/r^2 has a pole at re +- i im
- * half lengths from its middle; of all lines parallel to it, the half of which across is `o`, the
- * nearest counts. `d`: from x to the cell's centre, in the plane; `height` off it. */
-typedef struct pole {
-    double re, im2, distance2;
-} pole;
+typedef unsigned lanes; /* bit i: point i */
 
-static pole find_pole(const double e[2], const double o[2], const double d[2], double height)
-{
-    const double length2 = e[0] * e[0] + e[1] * e[1], inv = 1 / length2;
-    const double h = (e[0] * o[1] - e[1] * o[0]) * inv, reach = fabs(h);
-    const double along = (d[0] * e[0] + d[1] * e[1]) * inv;
-    const double across = (e[0] * d[1] - e[1] * d[0]) * inv;
-    const double move = across > reach ? -reach : across < -reach ? reach : -across;
-    const double shear = (o[0] * e[0] + o[1] * e[1]) * inv, rest = across + move;
-    pole p;
-    double out;
+/* A cell as the points see it, in units of its size, so that floats suffice whatever the scene's
+ * unit. */
+typedef struct cell_view {
+    double unit;                       /* 1 / size */
+    float first[2], second;            /* halves of its middle lines: along and across, and along */
+    float along[LANES], across[LANES]; /* from the points to its centre, in its plane */
+    float height[LANES];               /* of the points above its plane, at least 0 */
+    float cosine[LANES];               /* of the centre's direction, times its distance */
+} cell_view;
 
-    p.re = fabs(along + (shear != 0 ? move * shear / h : 0));
-    p.im2 = rest * rest + height * height * inv;
-    out = p.re > 1 ? p.re - 1 : 0;
-    p.distance2 = (out * out + p.im2) * length2;
-    return p;
-}
-
-/* The cell's poles for either axis; of a triangle's trapezoids the middle lines stand for all.
- * Returns its area. */
-static double find_poles(const transfer_frame *g, const face *f, const cell *c, pole p[2])
+static void set_view(const transfer_frame *g, const face *f, const cell *c, cell_view *v)
 {
     const double s = c->s0 + 0.5 * c->hs, t = c->t0 + 0.5 * c->ht;
     const double line = f->line * (f->triangle ? s : 1);
-    const double first[2] = {0.5 * c->hs * (f->u_along + (f->triangle ? t * f->line : 0)),
-                             0.5 * c->hs * f->u_across};
-    const double second[2] = {0.5 * c->ht * line, 0};
-    const double d[2] = {s * f->u_along + t * line - g->along, s * f->u_across - g->across};
+    const double first = c->hs * (f->u_along + (f->triangle ? t * f->line : 0));
+    const double across = c->hs * f->u_across, second = c->ht * line;
+    const double unit = 1 / (fabs(first) + fabs(across) + second);
 
-    p[0] = find_pole(first, second, d, g->height);
-    p[1] = find_pole(second, first, d, g->height);
-    return 4 * fabs(first[1] * second[0]);
+    v->unit = unit;
+    v->first[0] = (float)(0.5 * first * unit);
+    v->first[1] = (float)(0.5 * across * unit);
+    v->second = (float)(0.5 * second * unit);
+    for (int i = 0; i < LANES; i++) {
+        const double x = (s * f->u_along + t * line - g->along[i]) * unit;
+        const double y = (s * f->u_across - g->across[i]) * unit, z = g->height[i] * unit;
+
+        v->along[i] = (float)x;
+        v->across[i] = (float)y;
+        v->height[i] = (float)(z > 0 ? z : 0);
+        v->cosine[i] = (float)(g->n_along * x + g->n_across * y - g->n_height * z);
+    }
 }
 
-static void set_frame(transfer_frame *g, const double x[3], const face *f)
+/* Seen from a point, a line of the cell is nearest where 1/r^2 has a pole at re +- i im half
+ * lengths from its middle; of all lines parallel to it, the nearest counts. Of a triangle's
+ * trapezoids the middle lines stand for all. First all points for the first axis, then for the
+ * second: long loops become SIMD. */
+typedef struct poles {
+    float re2[2 * LANES], im2[2 * LANES], distance2[2 * LANES], height[2 * LANES];
+} poles;
+
+static void find_poles(const cell_view *v, poles *p)
+{
+    const float half[2][2] = {{v->first[0], v->first[1]}, {v->second, 0}};
+    float x[2 * LANES], y[2 * LANES], *z = p->height, e0[2 * LANES], e1[2 * LANES];
+    float length2[2 * LANES], reach[2 * LANES], slope[2 * LANES];
+
+    for (int axis = 0; axis < 2; axis++) {
+        const float *e = half[axis], *o = half[1 - axis];
+        const float squared = e[0] * e[0] + e[1] * e[1], turn = e[0] * o[1] - e[1] * o[0];
+        const float shear = o[0] * e[0] + o[1] * e[1];
+
+        for (int i = 0; i < LANES; i++) {
+            const int k = axis * LANES + i;
+
+            x[k] = v->along[i];
+            y[k] = v->across[i];
+            z[k] = v->height[i];
+            e0[k] = e[0] / squared;
+            e1[k] = e[1] / squared;
+            length2[k] = squared;
+            reach[k] = fabsf(turn) / squared;
+            slope[k] = shear != 0 ? shear / turn : 0;
+        }
+    }
+    for (int k = 0; k < 2 * LANES; k++) {
+        const float along = x[k] * e0[k] + y[k] * e1[k], across = y[k] * e0[k] - x[k] * e1[k];
+        const float low = across < reach[k] ? across : reach[k];
+        const float move = low > -reach[k] ? -low : reach[k];
+        const float rest = across + move, re = fabsf(along + move * slope[k]);
+        const float out = re > 1 ? re - 1 : 0;
+
+        p->re2[k] = re * re;
+        p->im2[k] = rest * rest + z[k] * z[k] / length2[k];
+        p->distance2[k] = (out * out + p->im2[k]) * length2[k];
+    }
+}
+
+static void set_lane(transfer_frame *g, int lane, const double x[3], const face *f)
 {
     double d[3];
 
     vec_sub(x, f->origin, d);
-    g->along = vec_dot(d, f->along);
-    g->across = vec_dot(d, f->across);
-    g->height = vec_dot(d, f->normal);
+    g->along[lane] = vec_dot(d, f->along);
+    g->across[lane] = vec_dot(d, f->across);
+    g->height[lane] = vec_dot(d, f->normal);
+}
+
+/* One point in all lanes. */
+static void set_frame(transfer_frame *g, const double x[3], const face *f)
+{
+    set_lane(g, 0, x, f);
+    for (int i = 1; i < LANES; i++) {
+        g->along[i] = g->along[0];
+        g->across[i] = g->across[0];
+        g->height[i] = g->height[0];
+    }
 }
 
 double transfer_ellipse(const double x[3], const face *f, const cell *c, double q[2])
 {
     transfer_frame g;
-    pole p[2];
+    cell_view v;
+    poles p;
 
+    g.n_along = g.n_across = g.n_height = 0;
     set_frame(&g, x, f);
-    (void)find_poles(&g, f, c, p);
+    for (int i = 0; i < LANES; i++)
+        g.height[i] = fabs(g.height[i]);
+    set_view(&g, f, c, &v);
+    find_poles(&v, &p);
     for (int i = 0; i < 2; i++) {
-        const double re = p[i].re, im2 = p[i].im2;
+        const double re = sqrt((double)p.re2[i * LANES]), im2 = (double)p.im2[i * LANES];
         const double a = 0.5 * (sqrt((re - 1) * (re - 1) + im2) + sqrt((re + 1) * (re + 1) + im2));
 
         q[i] = a > 1 ? a + sqrt(a * a - 1) : 1;
     }
-    return fmin(p[0].distance2, p[1].distance2);
+    return (double)fminf(p.distance2[0], p.distance2[LANES]) / (v.unit * v.unit);
 }
 
-/* Whether x is so many of the cell's radii from its centre that the rule is accurate anyway. */
-static int is_distant(const transfer *t, const cell *c)
+/* Whether all points are so many of the cell's radii from its centre that the rule is accurate. */
+static int all_distant(const transfer *t, const cell_view *v)
 {
-    const transfer_frame *g = &t->frame;
-    const face *f = t->f;
-    const double s = c->s0 + 0.5 * c->hs, line = f->line * (f->triangle ? c->s0 + c->hs : 1);
-    const double z = c->t0 + 0.5 * c->ht, mid = f->line * (f->triangle ? s : 1);
-    const double along = s * f->u_along + z * mid - g->along;
-    const double across = s * f->u_across - g->across;
-    const double u = f->u_along + (f->triangle ? z * f->line : 0);
-    const double radius = c->hs * sqrt(u * u + f->u_across * f->u_across) + c->ht * line;
+    const float radius = sqrtf(v->first[0] * v->first[0] + v->first[1] * v->first[1]) + v->second;
+    const float limit = radius * radius * (float)t->distant;
+    int distant = 1;
 
-    return along * along + across * across + g->height * g->height >
-           0.25 * radius * radius * t->distant;
+    for (int i = 0; i < LANES; i++)
+        distant &=
+            v->along[i] * v->along[i] + v->across[i] * v->across[i] + v->height[i] * v->height[i] >
+            limit;
+    return distant;
 }
 
-/* Whether the rule on this cell is as accurate as wanted; else *axis is the one to halve. Its error
- * is the form factor times q^-2p. The pole lies outside the ellipse of parameter Q, half axes A and
- * sqrt(A^2 - 1), if re^2 / A^2 + im^2 / (A^2 - 1) >= 1; with X = Q^2, A^2 = (X + 2 + 1/X) / 4. */
-static int is_far(const transfer *t, const cell *c, int *axis)
+/* The points for which the rule on this cell is as accurate as wanted; for the others *axis is the
+ * one to halve. The error is the form factor times q^-2p. The pole lies outside the ellipse of
+ * parameter Q, half axes A and sqrt(A^2 - 1), if re^2 / A^2 + im^2 / (A^2 - 1) >= 1; with X = Q^2,
+ * A^2 = (X + 2 + 1/X) / 4. */
+static lanes find_far(const transfer *t, const cell_view *v, lanes points, int *axis)
 {
-    pole p[2];
-    double area, d2, bound, x, a2, b2, out[2];
+    const float area = 4 * fabsf(v->first[1] * v->second) * (float)inv_pi;
+    const float wanted = 1 / (float)t->accuracy;
+    float missing[2 * LANES], most[2] = {0, 0};
+    lanes far = 0;
+    poles p;
 
-    if (is_distant(t, c))
-        return 1;
-    area = find_poles(&t->frame, t->f, c, p);
-    d2 = p[0].distance2 < p[1].distance2 ? p[0].distance2 : p[1].distance2;
-    bound = area * t->frame.height * inv_pi / (d2 * sqrt(d2) + 1e-300);
-    bound = bound < 1 ? bound : 1;
-    if (bound <= t->accuracy)
-        return 1;
-    x = sqrt(sqrt(bound / t->accuracy));
-    a2 = 0.25 * (x + 1 / x) + 0.5;
-    b2 = a2 - 1;
-    for (int i = 0; i < 2; i++)
-        out[i] = p[i].re * p[i].re * b2 + p[i].im2 * a2;
-    if (out[0] >= a2 * b2 && out[1] >= a2 * b2)
-        return 1;
-    *axis = out[1] < 0.999 * out[0] ? 1 : 0; /* in what is symmetric, not by rounding */
-    return 0;
-}
+    if (all_distant(t, v))
+        return points;
+    find_poles(v, &p);
+    for (int k = 0; k < 2 * LANES; k++) {
+        const float d2 = p.distance2[k] + 1e-20F;
+        const float bound = area * p.height[k] / (d2 * sqrtf(d2));
+        const float worse = (bound < 1 ? bound : 1) * wanted;
+        const float x = sqrtf(sqrtf(worse > 1 ? worse : 1));
+        const float a2 = 0.25F * (x + 1 / x) + 0.5F, b2 = a2 - 1;
 
-/* Gauss quadrature of a cell that is seen as a whole: the inner loop. Lengths are in units of the
- * cell's size, so that floats suffice whatever the scene's unit. On the line of node a, the point
- * of node b lies at p[a] + r[a] x_b along it, its squared distance from x but for that is q[a], its
- * height above x's plane n[a] + m[a] x_b; all of these are linear in s or squares. */
-static void whole(const transfer *t, const cell *c, float weights[RULE_Q])
-{
-    static const float at[RULE_P] = {0.0694318442F, 0.3300094782F, 0.6699905218F, 0.9305681558F};
-    static const float w[RULE_P] = {0.1739274226F, 0.3260725774F, 0.3260725774F, 0.1739274226F};
-    const transfer_frame *g = &t->frame;
-    const face *f = t->f;
-    const double tip = f->triangle ? 1 : 0; /* lines shrink towards s = 0 */
-    const double size = c->hs * (fabs(f->u_along) + fabs(f->u_across)) + c->ht * f->line;
-    const double unit = 1 / size, line = f->line * unit, height = g->height * unit;
-    const double begin = tip != 0 ? c->s0 : 1,
-                 grow = tip * c->hs; /* length of lines: at s0, more */
-    const double p1 = c->hs * (f->u_along * unit + tip * c->t0 * line);
-    const double p0 = (c->s0 * f->u_along - g->along) * unit + begin * c->t0 * line;
-    const double q0 = (c->s0 * f->u_across - g->across) * unit, q1 = c->hs * f->u_across * unit;
-    const double step = c->ht * line,
-                 k = f->jacobian * c->hs * c->ht * unit * unit * height * inv_pi;
-    const float fp0 = (float)p0, fp1 = (float)p1, fq0 = (float)q0, fq1 = (float)q1;
-    const float fr0 = (float)(begin * step), fr1 = (float)(grow * step),
-                h2 = (float)(height * height);
-    const float fn0 = (float)(g->n_along * p0 + g->n_across * q0 - g->n_height * height);
-    const float fn1 = (float)(g->n_along * p1 + g->n_across * q1), na = (float)g->n_along;
-    const float fk0 = (float)(k * begin), fk1 = (float)(k * grow);
-    float p[RULE_P], q[RULE_P], r[RULE_P], n[RULE_P], m[RULE_P], scale[RULE_P];
-
-    for (int a = 0; a < RULE_P; a++) {
-        const float across = fq0 + fq1 * at[a];
-
-        p[a] = fp0 + fp1 * at[a];
-        r[a] = fr0 + fr1 * at[a];
-        q[a] = across * across + h2;
-        n[a] = fn0 + fn1 * at[a];
-        m[a] = na * r[a];
-        scale[a] = (fk0 + fk1 * at[a]) * w[a];
+        missing[k] = a2 * b2 - p.re2[k] * b2 - p.im2[k] * a2;
     }
-    for (int a = 0; a < RULE_P; a++)
-        for (int b = 0; b < RULE_P; b++) {
-            const float along = p[a] + r[a] * at[b], r2 = along * along + q[a];
-            const float cosine = n[a] + m[a] * at[b];
+    for (int i = 0; i < LANES; i++) {
+        const float m0 = missing[i], m1 = missing[LANES + i];
 
-            weights[a * RULE_P + b] = scale[a] * w[b] * (cosine > 0 ? cosine : 0) / (r2 * r2);
-        }
+        if (!(points & 1U << i))
+            continue;
+        far |= m0 <= 0 && m1 <= 0 ? 1U << i : 0;
+        most[0] = m0 > most[0] ? m0 : most[0];
+        most[1] = m1 > most[1] ? m1 : most[1];
+    }
+    if (far != points)
+        *axis = most[1] > 1.001F * most[0] ? 1 : 0; /* in what is symmetric, not by rounding */
+    return far;
 }
 
-/* Adds `sign` times the integral over a triangle inside the cell. */
+/* clang-format off */
+#define ROWS(a, b, c, d) {a, a, a, a, b, b, b, b, c, c, c, c, d, d, d, d}
+#define COLUMNS(a, b, c, d) {a, b, c, d, a, b, c, d, a, b, c, d, a, b, c, d}
+/* clang-format on */
+static const float node_s[RULE_Q] =
+    ROWS(0.0694318442F, 0.3300094782F, 0.6699905218F, 0.9305681558F);
+static const float node_t[RULE_Q] =
+    COLUMNS(0.0694318442F, 0.3300094782F, 0.6699905218F, 0.9305681558F);
+static const float node_ws[RULE_Q] =
+    ROWS(0.1739274226F, 0.3260725774F, 0.3260725774F, 0.1739274226F);
+static const float node_wt[RULE_Q] =
+    COLUMNS(0.1739274226F, 0.3260725774F, 0.3260725774F, 0.1739274226F);
+
+/* Gauss quadrature of a cell that is seen as a whole, but for the height over pi: the inner loop.
+ */
+static void whole(const transfer *t, const cell *c, const cell_view *v, lanes points,
+                  float weights[][RULE_Q])
+{
+    const face *f = t->f;
+    const float na = (float)t->frame.n_along, nc = (float)t->frame.n_across;
+    const float scale = (float)(f->jacobian * c->hs * c->ht * v->unit * v->unit * v->unit);
+    const float line = (float)(c->ht * f->line * v->unit), u0 = v->first[0], u1 = v->first[1];
+    const float begin = f->triangle ? (float)c->s0 : 1, grow = f->triangle ? (float)c->hs : 0;
+    float x[RULE_Q], y[RULE_Q], rise[RULE_Q], share[RULE_Q]; /* nodes, from the centre */
+
+    for (int k = 0; k < RULE_Q; k++) {
+        const float offset = 2 * node_s[k] - 1, shrink = begin + grow * node_s[k];
+
+        x[k] = offset * u0 + (node_t[k] - 0.5F) * line * shrink;
+        y[k] = offset * u1;
+        rise[k] = na * x[k] + nc * y[k];
+        share[k] = scale * shrink * node_ws[k] * node_wt[k];
+    }
+    for (int i = 0; i < LANES; i++) {
+        const float along = v->along[i], across = v->across[i], cosine = v->cosine[i];
+        const float height2 = v->height[i] * v->height[i];
+        float *out = weights[i];
+
+        if (!(points & 1U << i))
+            continue;
+        for (int k = 0; k < RULE_Q; k++) {
+            const float dx = along + x[k], dy = across + y[k], r2 = dx * dx + dy * dy + height2;
+            const float rises = cosine + rise[k];
+
+            out[k] = share[k] * (rises > 0 ? rises : 0) / (r2 * r2);
+        }
+    }
+}
+
+/* Adds `sign` times the integral over a triangle inside the cell, but for the height over pi. */
 static void add_triangle(const transfer *t, const cell *c, double sign, const double p[3],
-                         const double q[3], const double r[3], float weights[RULE_Q])
+                         const double q[3], const double r[3], float weights[][RULE_Q])
 {
     const face *f = t->f;
     double a[3], b[3], cross[3], area2;
@@ -178,7 +244,7 @@ static void add_triangle(const transfer *t, const cell *c, double sign, const do
     vec_sub(q, p, a);
     vec_sub(r, q, b);
     vec_cross(a, b, cross);
-    area2 = sign * vec_length(cross) * t->frame.height * inv_pi;
+    area2 = sign * vec_length(cross);
     for (int i = 0; i < RULE_P; i++)
         for (int j = 0; j < RULE_P; j++) {
             double y[3], d[3], s, z, at_s[RULE_P], at_t[RULE_P], r2, cosine, value;
@@ -194,7 +260,7 @@ static void add_triangle(const transfer *t, const cell *c, double sign, const do
             rule_values((s - c->s0) / c->hs, at_s);
             rule_values((z - c->t0) / c->ht, at_t);
             for (int k = 0; k < RULE_Q; k++)
-                weights[k] += (float)(value * at_s[k / RULE_P] * at_t[k % RULE_P]);
+                weights[0][k] += (float)(value * at_s[k / RULE_P] * at_t[k % RULE_P]);
         }
 }
 
@@ -208,9 +274,10 @@ static double set_factor(const transfer *t, const visible_set *set)
     return fmax(sum, 0);
 }
 
-/* Weights of what is seen of a cell on which the kernel is smooth. Returns -1 if it should be split
- * after all, else the exact factor. */
-static double clipped_cell(const transfer *t, const cell *c, int depth, float weights[RULE_Q])
+/* Weights of what the only point sees of a cell on which the kernel is smooth. Returns -1 if it
+ * should be split after all, else the exact factor. */
+static double clipped_cell(const transfer *t, const cell *c, const cell_view *v, int depth,
+                           float weights[][RULE_Q])
 {
     double corners[4][3];
     visible_set set;
@@ -221,12 +288,12 @@ static double clipped_cell(const transfer *t, const cell *c, int depth, float we
             return -1;
         (void)visible_start(&set, sight_centre_blocked(&t->sight, c) ? 0 : 4, corners[0]);
     }
-    memset(weights, 0, RULE_Q * sizeof *weights);
+    memset(weights, 0, sizeof *weights);
     for (int i = 0; i < set.count; i++) {
         const visible_piece *piece = &set.pieces[i];
 
         if (i == 0 && piece->n == 4 && memcmp(piece->p, corners, sizeof corners) == 0)
-            whole(t, c, weights);
+            whole(t, c, v, 1, weights);
         else
             for (int j = 1; j + 1 < piece->n; j++)
                 add_triangle(t, c, piece->sign, piece->p[0], piece->p[j], piece->p[j + 1], weights);
@@ -234,66 +301,81 @@ static double clipped_cell(const transfer *t, const cell *c, int depth, float we
     return set_factor(t, &set);
 }
 
-/* Virtual splitting: the sender keeps its nodes, but cells too near are halved, and the weights of
- * the halves are folded back onto the whole. */
-static double near_cell(const transfer *t, const cell *c, int clipped, int depth,
-                        float weights[RULE_Q])
+/* Virtual splitting: the sender keeps its nodes, but cells too near for some points are halved for
+ * these, and the weights of the halves are folded back onto the whole. Returns the exact factor of
+ * what is seen, where that is clipped. */
+static double near_cell(const transfer *t, const cell *c, lanes points, int clipped, int depth,
+                        float weights[][RULE_Q])
 {
-    double exact = -1;
+    float part[LANES][RULE_Q];
+    double exact = 0;
+    cell half = *c;
+    cell_view v;
+    lanes far;
     int axis = depth % 2;
 
-    if (depth >= DEPTH_MAX || is_far(t, c, &axis)) {
-        if (clipped)
-            exact = clipped_cell(t, c, depth, weights);
-        else
-            exact = (whole(t, c, weights), 0);
+    set_view(&t->frame, t->f, c, &v);
+    far = depth >= DEPTH_MAX ? points : find_far(t, &v, points, &axis);
+    if (far && clipped) {
+        exact = clipped_cell(t, c, &v, depth, weights);
+        far = exact < 0 ? 0 : far;
+    } else if (far) {
+        whole(t, c, &v, far, weights);
     }
-    if (exact < 0) {
-        float part[RULE_Q];
-        cell half = *c;
-
-        exact = 0;
-        memset(weights, 0, RULE_Q * sizeof *weights);
-        half.hs *= axis == 0 ? 0.5 : 1;
-        half.ht *= axis == 1 ? 0.5 : 1;
-        for (int i = 0; i < 2; i++) {
-            half.s0 = c->s0 + (axis == 0 ? i * half.hs : 0);
-            half.t0 = c->t0 + (axis == 1 ? i * half.ht : 0);
-            exact += near_cell(t, &half, clipped, depth + 1, part);
-            rule_fold_float(axis, i, part, weights);
-        }
+    points &= ~far;
+    if (!points)
+        return exact;
+    exact = 0;
+    for (int k = 0; k < LANES; k++)
+        if (points & 1U << k)
+            memset(weights[k], 0, sizeof weights[k]);
+    half.hs *= axis == 0 ? 0.5 : 1;
+    half.ht *= axis == 1 ? 0.5 : 1;
+    for (int i = 0; i < 2; i++) {
+        half.s0 = c->s0 + (axis == 0 ? i * half.hs : 0);
+        half.t0 = c->t0 + (axis == 1 ? i * half.ht : 0);
+        exact += near_cell(t, &half, points, clipped, depth + 1, part);
+        for (int k = 0; k < LANES; k++)
+            if (points & 1U << k)
+                rule_fold_float(axis, i, part[k], weights[k]);
     }
     return exact;
+}
+
+/* What does not depend on the points' number; the frame's lanes are the caller's. */
+static void set_target(transfer *t, const double normal[3], const face *f, double accuracy)
+{
+    const double q = sqrt(sqrt(sqrt(1 / accuracy)));
+
+    t->normal = normal;
+    t->f = f;
+    t->accuracy = accuracy;
+    t->distant = (1 + 0.5 * (q - 1 / q)) * (1 + 0.5 * (q - 1 / q));
+    t->frame.n_along = vec_dot(normal, f->along);
+    t->frame.n_across = vec_dot(normal, f->across);
+    t->frame.n_height = vec_dot(normal, f->normal);
 }
 
 void transfer_aim(transfer *t, const lcor_scene *scene, const double x[3], const double normal[3],
                   const face *f, const uint32_t *blockers, size_t count, double accuracy)
 {
     visible_eye eye = {{0, 0, 0}, 0};
-    double q;
 
+    set_target(t, normal, f, accuracy);
     t->x = x;
-    t->normal = normal;
-    t->f = f;
-    t->accuracy = accuracy;
-    q = sqrt(sqrt(sqrt(1 / accuracy)));
-    t->distant = (1 + 0.5 * (q - 1 / q)) * (1 + 0.5 * (q - 1 / q));
     set_frame(&t->frame, x, f);
-    t->frame.n_along = vec_dot(normal, f->along);
-    t->frame.n_across = vec_dot(normal, f->across);
-    t->frame.n_height = vec_dot(normal, f->normal);
     vec_copy(x, eye.at);
     sight_aim(&t->sight, scene, &eye, f, blockers, count);
 }
 
-/* -1 nothing of the cell is in front of x and facing it, 0 all of it is, 1 some. */
+/* -1 nothing of the cell is in front of the point and facing it, 0 all of it is, 1 some. */
 static int horizon(const transfer *t, double (*corners)[3])
 {
     const double touch = SCENE_TOUCH * t->sight.scene->diameter;
     int below = 0, above = 0;
     double d[3], h;
 
-    if (t->frame.height <= 0)
+    if (t->frame.height[0] <= 0)
         return -1;
     for (int i = 0; i < 4; i++) {
         vec_sub(corners[i], t->x, d);
@@ -304,35 +386,52 @@ static int horizon(const transfer *t, double (*corners)[3])
     return above ? below : -1;
 }
 
-double transfer_weights(const transfer *t, const cell *c, double known, float weights[RULE_Q])
+/* Scales a point's weights, known but for the height over pi, to its exact factor. Behind the face
+ * it gets nothing. */
+static void scale_row(double height, double exact, float weights[RULE_Q])
+{
+    const double factor = height > 0 ? height * inv_pi : 0;
+    float sum = 0, scale;
+
+    for (int k = 0; k < RULE_Q; k++)
+        sum += weights[k];
+    scale = (float)(sum > 0 && exact < 4 * (double)sum * factor ? exact / (double)sum : factor);
+    for (int k = 0; k < RULE_Q; k++)
+        weights[k] *= scale;
+}
+
+double transfer_weights(const transfer *t, const cell *c, float weights[RULE_Q])
 {
     const int hidden = t->sight.count > 0 || t->sight.crowded;
+    float rows[1][RULE_Q];
     double corners[4][3], exact;
-    float sum = 0;
-    int side = t->frame.height > 0 ? 0 : -1;
+    int side;
 
-    if (known < 0 && side == 0) {
-        face_cell_corners(t->f, c, corners);
-        side = horizon(t, corners);
-    }
+    face_cell_corners(t->f, c, corners);
+    side = horizon(t, corners);
     if (side < 0) {
         memset(weights, 0, RULE_Q * sizeof *weights);
         return 0;
     }
-    exact = near_cell(t, c, hidden || side, 0, weights);
-    if (known >= 0)
-        exact = known;
-    else if (!hidden && !side)
+    exact = near_cell(t, c, 1, hidden || side, 0, rows);
+    if (!hidden && !side)
         exact = lcor_factor_point(t->x, t->normal, 4, corners[0]);
-    for (int k = 0; k < RULE_Q; k++)
-        sum += weights[k];
-    if (sum > 0 && exact < 4 * (double)sum) {
-        const float scale = (float)(exact / (double)sum);
-
-        for (int k = 0; k < RULE_Q; k++)
-            weights[k] *= scale;
-    }
+    scale_row(t->frame.height[0], exact, rows[0]);
+    memcpy(weights, rows, sizeof rows);
     return exact;
+}
+
+void transfer_open(double (*x)[3], const double normal[3], const face *f, const cell *c,
+                   double accuracy, const double *exact, float (*weights)[RULE_Q])
+{
+    transfer t;
+
+    set_target(&t, normal, f, accuracy);
+    for (int i = 0; i < LANES; i++)
+        set_lane(&t.frame, i, x[i], f);
+    (void)near_cell(&t, c, (1U << LANES) - 1, 0, 0, weights);
+    for (int i = 0; i < LANES; i++)
+        scale_row(t.frame.height[i], exact[i], weights[i]);
 }
 
 double transfer_factor(const transfer *t, const cell *c)

@@ -7,10 +7,13 @@
 #include "radiosity/rule.h"
 #include "radiosity/sight.h"
 
-/* Coordinates of a point and a direction as a face sees them: along its lines of constant first
- * parameter, across them in its plane, off its plane. */
+/* Most points that look at a face at once: nodes of one line of a receiver, with one normal. */
+enum { TRANSFER_LANES = RULE_P };
+
+/* Coordinates of the points and of their normal as a face sees them: along its lines of constant
+ * first parameter, across them in its plane, off its plane. */
 typedef struct transfer_frame {
-    double along, across, height;
+    double along[TRANSFER_LANES], across[TRANSFER_LANES], height[TRANSFER_LANES];
     double n_along, n_across, n_height;
 } transfer_frame;
 
@@ -29,9 +32,12 @@ void transfer_aim(transfer *t, const lcor_scene *scene, const double x[3], const
                   const face *f, const uint32_t *blockers, size_t count, double accuracy);
 
 /* Irradiance at x = sum of weights[k] * radiosity at node k of the cell. Returns the exact form
- * factor to what is seen of it; `known` is that factor, of a cell that nothing hides, or less than
- * 0. */
-double transfer_weights(const transfer *t, const cell *c, double known, float weights[RULE_Q]);
+ * factor to what is seen of it. */
+double transfer_weights(const transfer *t, const cell *c, float weights[RULE_Q]);
+
+/* The same for TRANSFER_LANES points that see the whole cell, of which the form factor is known. */
+void transfer_open(double (*x)[3], const double normal[3], const face *f, const cell *c,
+                   double accuracy, const double *exact, float (*weights)[RULE_Q]);
 
 /* Exact form factor from x to what it sees of the cell. */
 double transfer_factor(const transfer *t, const cell *c);
