@@ -13,7 +13,7 @@
 #include <math.h>
 
 /* GATHER_TRIES: places tried for one that rays come to. */
-enum { GATHER_TRIES = 8, GATHER_TERMS = 6, GATHER_CHANNELS = 3 };
+enum { GATHER_TRIES = 8, GATHER_TERMS = 6, GATHER_CHANNELS = 3, GATHER_GROUPS = 8 };
 
 static const uint32_t gather_none = UINT32_MAX; /* no surface, side or leaf */
 
@@ -74,14 +74,15 @@ typedef struct gather_record {
 
 /* What a request needs; each round that misses it asks for more. */
 typedef struct gather_effort {
-    double leaf_size; /* of the harmonic mean ray length, and less until there are */
-    size_t leaves;    /* so many */
-    double rays;      /* a leaf, on average */
-    double near;      /* rays shorter than so many leaf sizes go on instead of reading the field */
-    double stop;      /* relative error of an answer */
-    int share;        /* that is of usual effort; more where it takes more, less where less: the
-                         least effort for an rms over all */
-    double samples;   /* most of an answer */
+    double leaf_size;  /* of the harmonic mean ray length, and less until there are */
+    size_t leaves;     /* so many */
+    double rays;       /* a leaf, on average */
+    double near;       /* rays shorter than so many leaf sizes go on instead of reading the field */
+    double stop;       /* relative error of an answer, */
+    double patch_stop; /* and of an average over a patch, whose rays differ by place too */
+    int share;         /* that is of usual effort; more where it takes more, less where less: the
+                          least effort for an rms over all */
+    double samples;    /* most of an answer */
 } gather_effort;
 
 typedef struct gather {
@@ -126,6 +127,12 @@ static inline gather_leaf *gather_leaf_at(const gather *g, size_t i)
 static inline int gather_is_near(const gather_leaf *l, double near, double distance)
 {
     return !(distance > 2 * near * fmax(l->half[0], l->half[1]));
+}
+
+/* What is this close to a place on the leaf hides it from rays that come from afar. */
+static inline double gather_hemmed_in(const gather_leaf *l)
+{
+    return 0.1 * fmax(l->half[0], l->half[1]);
 }
 
 static inline gather_plane *gather_plane_at(const gather *g, size_t i)
@@ -207,39 +214,39 @@ double gather_sample_value(const gather *g, const gather_sample *sample, const d
                            int channel);
 /* out = K in: coefficients of what leaves get if the field is `in`. arg: gather */
 void gather_apply(void *arg, const double *in, double *out);
-/* How a leaf's rays are guided: NULL or `view`. */
-const guide_view *gather_leaf_view(const gather *g, const gather_leaf *leaf, guide_view *view);
-/* Ray `index` of a leaf in one of several sequences, leaving at `at`. Returns 0 for a place that
- * other rays do not come to. */
-int gather_leaf_sample(const gather *g, size_t leaf, const guide_view *view, uint32_t index,
-                       uint32_t sequence, double at[2], gather_sample *out);
+/* What groups of a leaf's rays say more than the field does, mean over the leaf, as fields. */
+void gather_residuals(const gather *g, double *const groups[GATHER_GROUPS]);
 
 /* gather_query.c: the irradiance that is not direct, at a stand or as the average over a patch. */
 typedef struct gather_query {
     gather_stand stand;
-    const double *patch; /* NULL, or origin and two edges: 9 numbers, and */
-    int triangle;        /* whether that is a triangle */
-    double near, stop;   /* as in gather_effort */
+    int average;       /* over a patch: */
+    double patch[9];   /* origin and two edges of a parallelogram or */
+    int triangle;      /* a triangle */
+    double near, stop; /* as in gather_effort */
     int share_effort;
     double samples; /* at most */
     uint32_t seed;
-    double *const *errors; /* NULL, or two more fields, */
+    double *const *groups; /* NULL, or GATHER_GROUPS more fields, */
 } gather_query;
 
 /* At a point on a surface or free (LCOR_BVH_NONE). */
 void gather_query_point(const gather *g, const double x[3], const double normal[3],
                         uint32_t surface, gather_query *q);
-/* Adds to `total`, which holds what is direct; `bias` gets what the other fields add to the answer,
- * mean of the channels. Returns the number of rays. */
-uint64_t gather_answer(const gather *g, const gather_query *q, double *total, double bias[2]);
-void gather_patch(const gather *g, size_t surface, lcor_value value, size_t index, double *total);
+void gather_query_patch(const gather *g, size_t surface, lcor_value value, size_t index,
+                        gather_query *q);
+/* Adds to `total`, which holds what is direct; `group` gets what the other fields add to the
+ * answer, mean of the channels. Returns the number of rays. */
+uint64_t gather_answer(const gather *g, const gather_query *q, double *total, double *group);
 
-/* gather_error.c: relative errors of answers at n places. */
+/* gather_error.c: relative errors of answers at n places. Without memory or when cancelled: 0. */
 typedef struct gather_errors {
-    double rms, max, bias;
+    double rms, max;
     double noise, field; /* parts of rms: of the answer's rays, and of the field they read */
 } gather_errors;
 int gather_estimate(gather *g, size_t n, gather_errors *out);
+/* The noise of averages over n patches. */
+int gather_patch_noise(gather *g, size_t n, double *noise);
 /* Squares of a sample of `count` spread: what to multiply a root of their mean by. */
 double gather_upper_end(size_t count);
 /* rms from its parts. */

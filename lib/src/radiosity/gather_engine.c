@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ROUNDS_MAX = 5, SLICE = 128, SAMPLE = 64, MEAN_PLACES = 256 };
+enum { ROUNDS_MAX = 5, SLICE = 128, SAMPLE = 64, PATCHES = 32, MEAN_PLACES = 256 };
 
 /* Leaves wanted, and rays of one on average, at a tolerance of 1 %. */
 static const double leaves_wanted = 100, rays_wanted = 100;
@@ -19,8 +19,6 @@ static const double rate_guess = 3e5;
 static const double samples_most = 1 << 18, samples_least = 128;
 /* An answer's part of the tolerance at first, and what is aimed at in the end. */
 static const double stop_share = 0.85, aim = 0.9;
-/* What one step may divide an answer's accuracy by, or add to its noise. */
-static const double stop_step = 0.1, noise_step = 1.5;
 /* Answers are not pursued further than this, and when a limit is met, than that. */
 static const double stop_least = 5e-4, stop_hurried = 0.01;
 /* Rays of one sample, about: to a target, on to the next surface, and from there. */
@@ -223,16 +221,20 @@ static double noise_wanted(double field, double tolerance)
     return sqrt(fmax(all * all - field * field, 0.25 * all * all));
 }
 
-/* By what to multiply `stop` for so many times the noise. Shared effort errs by the root of it. */
-static double stop_for(const gather *g, double noise)
+/* Changes `stop` so that *noise becomes `wanted`, or comes as near as one step may go. Effort that
+ * is shared errs by the root of `stop`. */
+static void steer(const gather *g, double wanted, double *stop, double *noise)
 {
-    return g->effort.share ? noise * noise : noise;
+    const double ratio = fmin(fmax(wanted / fmax(*noise, 1e-9), 0.3), 1.5), before = *stop;
+
+    *stop = fmax(stop_least, before * (g->effort.share ? ratio * ratio : ratio));
+    *noise *= g->effort.share ? sqrt(*stop / before) : *stop / before;
 }
 
 /* More of what the error came from. */
 static void strive(gather *g, const gather_errors *e, double tolerance)
 {
-    double field = e->field;
+    double field = e->field, noise = e->noise;
 
     if (e->field > 0.5 * tolerance) {
         g->effort.rays *= 2;
@@ -240,23 +242,26 @@ static void strive(gather *g, const gather_errors *e, double tolerance)
         g->effort.leaf_size *= 0.75;
         field *= 0.5;
     }
-    if (e->noise > noise_wanted(field, tolerance))
-        g->effort.stop =
-            fmax(stop_least,
-                 g->effort.stop *
-                     fmax(stop_step, stop_for(g, noise_wanted(field, tolerance) / e->noise)));
+    if (noise > noise_wanted(field, tolerance))
+        steer(g, noise_wanted(field, tolerance), &g->effort.stop, &noise);
 }
 
-/* The other way round: answers that are more accurate than asked for cost too much. */
-static void relax(gather *g, gather_errors *e, double tolerance)
+/* Answers that are more accurate than asked for cost too much; and averages over patches, whose
+ * rays differ by place too, take more than answers at points. */
+static int settle(gather *g, gather_errors *e, double tolerance)
 {
-    const double more = fmin(noise_wanted(e->field, tolerance) / fmax(e->noise, 1e-9), noise_step);
+    const double wanted = noise_wanted(e->field, tolerance);
+    double noise;
 
-    if (more <= 1)
-        return;
-    g->effort.stop *= stop_for(g, more);
-    e->noise *= more;
+    if (e->noise < wanted)
+        steer(g, wanted, &g->effort.stop, &e->noise);
+    g->effort.patch_stop = g->effort.stop;
+    if (!gather_patch_noise(g, PATCHES, &noise))
+        return 0;
+    steer(g, wanted, &g->effort.patch_stop, &noise);
+    e->noise = fmax(e->noise, noise);
     gather_sum_errors(e, SAMPLE);
+    return 1;
 }
 
 static lcor_status solve(lcor_solution *s, lcor_error *err)
@@ -282,8 +287,12 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
         if (!set_mean(g) || !gather_estimate(g, SAMPLE, &errors))
             goto stopped;
         s->report.converged = wanted_error(s, &errors) <= s->options.tolerance;
-        if (s->report.converged && s->options.norm == LCOR_NORM_RMS)
-            relax(g, &errors, s->options.tolerance);
+        g->effort.patch_stop = g->effort.stop;
+        if (s->report.converged && s->options.norm == LCOR_NORM_RMS) {
+            if (!settle(g, &errors, s->options.tolerance))
+                goto stopped;
+            s->report.converged = errors.rms <= s->options.tolerance;
+        }
         s->report.error_rms = errors.rms;
         s->report.error_max = errors.max;
         s->report.iterations = g->iterations;
@@ -313,8 +322,12 @@ static lcor_status relight(lcor_solution *s, lcor_error *err)
 static void patches(const lcor_solution *s, size_t surface, lcor_value value, size_t first,
                     size_t count, double *total)
 {
-    for (size_t i = 0; i < count; i++)
-        gather_patch(s->state, surface, value, first + i, total + i * (size_t)s->report.channels);
+    for (size_t i = 0; i < count; i++) {
+        gather_query q;
+
+        gather_query_patch(s->state, surface, value, first + i, &q);
+        (void)gather_answer(s->state, &q, total + i * (size_t)s->report.channels, NULL);
+    }
 }
 
 static void point(const lcor_solution *s, const double x[3], const double normal[3],

@@ -19,8 +19,6 @@ static const double ridge = 0.004;
 static const double rays_least = 0.25, rays_most = 4;
 /* Least average whatever the limits. */
 static const double rays_fewest = 8;
-/* A ray that ends within this part of a leaf's half size has not got away. */
-static const double hemmed_in = 0.1;
 /* The solver's part of the tolerance. */
 static const double solver_share = 0.02;
 
@@ -184,7 +182,8 @@ static void set_inverse(const gather *g, gather_leaf *l)
             l->inverse[p * GATHER_TERMS + q] = a[p][q];
 }
 
-const guide_view *gather_leaf_view(const gather *g, const gather_leaf *leaf, guide_view *view)
+/* How a leaf's rays are guided: NULL or `view`. */
+static const guide_view *leaf_view(const gather *g, const gather_leaf *leaf, guide_view *view)
 {
     gather_stand stand;
     double at[2];
@@ -208,15 +207,16 @@ static int comes_to_light(const gather *g, const gather_leaf *l, const gather_st
         ray.direction[k] = direction[0] * stand->u[k] + direction[1] * stand->v[k] +
                            direction[2] * stand->normal[k];
     ray.t_min = g->touch;
-    ray.t_max = hemmed_in * fmax(l->half[0], l->half[1]);
+    ray.t_max = gather_hemmed_in(l);
     ray.skip = stand->surface;
     return !lcor_bvh_occluded(g->scene->bvh, &ray, NULL);
 }
 
-int gather_leaf_sample(const gather *g, size_t leaf, const guide_view *view, uint32_t index,
-                       uint32_t sequence, double at[2], gather_sample *out)
+/* Ray `index` of a leaf, leaving at `at`. Returns 0 for a place that other rays do not come to. */
+static int leaf_sample(const gather *g, size_t leaf, const guide_view *view, uint32_t index,
+                       double at[2], gather_sample *out)
 {
-    const uint32_t seed = random_hash(4 * (uint32_t)leaf + sequence);
+    const uint32_t seed = random_hash((uint32_t)leaf);
     double place[2];
     gather_stand stand;
 
@@ -239,7 +239,7 @@ static void record_task(void *arg, size_t i)
     l->rays = 0;
     if (l->terms == 0)
         return;
-    guided = gather_leaf_view(g, l, &view);
+    guided = leaf_view(g, l, &view);
     for (size_t k = 0; used < l->record_count && k < GATHER_TRIES * l->record_count; k++) {
         gather_record *r = record_at(g, l->first_record + used);
         const size_t value = (l->first_record + used) * (size_t)g->channels;
@@ -247,7 +247,7 @@ static void record_task(void *arg, size_t i)
         gather_sample sample;
 
         l->rays++;
-        if (!gather_leaf_sample(g, i, guided, (uint32_t)k, 0, at, &sample))
+        if (!leaf_sample(g, i, guided, (uint32_t)k, at, &sample))
             continue;
         used++;
         for (int c = 0; c < 2; c++) {
@@ -274,6 +274,23 @@ typedef struct application {
     double *out;
 } application;
 
+/* What a ray found, but for its source: the part that depends on the field. */
+static double passed_on(const gather *g, size_t record, const double *field, int channel)
+{
+    const gather_record *r = record_at(g, record);
+    const double at[2] = {(double)r->at[0], (double)r->at[1]};
+
+    if (r->leaf == gather_none)
+        return 0;
+    return (double)g->through[record * (size_t)g->channels + (size_t)channel] *
+           evaluate(g, gather_leaf_at(g, r->leaf), field, at, channel);
+}
+
+static double source_of(const gather *g, size_t record, int channel)
+{
+    return (double)g->source[record * (size_t)g->channels + (size_t)channel];
+}
+
 /* Least squares over a leaf's rays. */
 static void apply_task(void *arg, size_t i)
 {
@@ -286,15 +303,9 @@ static void apply_task(void *arg, size_t i)
 
         for (size_t k = l->first_record; k < l->first_record + l->record_count; k++) {
             const gather_record *r = record_at(g, k);
-            const size_t value = k * (size_t)g->channels + (size_t)c;
-            const double at[2] = {(double)r->at[0], (double)r->at[1]};
-            double f[GATHER_TERMS], irradiance = 0;
+            const double irradiance = job->in ? passed_on(g, k, job->in, c) : source_of(g, k, c);
+            double f[GATHER_TERMS];
 
-            if (!job->in)
-                irradiance = (double)g->source[value];
-            else if (r->leaf != gather_none)
-                irradiance = (double)g->through[value] *
-                             evaluate(g, gather_leaf_at(g, r->leaf), job->in, at, c);
             if (irradiance == 0)
                 continue;
             basis((double)r->from[0], (double)r->from[1], f);
@@ -335,6 +346,49 @@ static int solve_system(gather *g)
     g->iterations = k.iterations;
     lcor_internal_free(g->allocator, right);
     return ok;
+}
+
+typedef struct residuals {
+    const gather *g;
+    double *const *groups;
+} residuals;
+
+/* Groups are runs of the sequence, each spread over the leaf and the hemisphere. A fit of p terms
+ * to n rays leaves a part (n - p) / n of their variance. */
+static void residual_task(void *arg, size_t i)
+{
+    const residuals *job = arg;
+    const gather *g = job->g;
+    const gather_leaf *l = gather_leaf_at(g, i);
+    const size_t n = l->record_count;
+    const double fitted =
+        n > (size_t)l->terms ? sqrt((double)n / (double)(n - (size_t)l->terms)) : 1;
+
+    for (int c = 0; c < g->channels && l->terms > 0; c++)
+        for (size_t k = 0; k < GATHER_GROUPS; k++) {
+            double *out = job->groups[k] + coefficients_of(g, l, c), sum = 0;
+            const size_t begin = n * k / GATHER_GROUPS, end = n * (k + 1) / GATHER_GROUPS;
+
+            for (size_t j = begin; j < end; j++) {
+                const gather_record *r = record_at(g, l->first_record + j);
+                double f[GATHER_TERMS];
+
+                basis((double)r->from[0], (double)r->from[1], f);
+                sum += source_of(g, l->first_record + j, c) +
+                       passed_on(g, l->first_record + j, g->field, c);
+                for (int p = 0; p < l->terms; p++)
+                    sum -= g->field[coefficients_of(g, l, c) + (size_t)p] * f[p];
+            }
+            memset(out, 0, GATHER_TERMS * sizeof *out);
+            out[0] = end > begin ? fitted * sum / (double)(end - begin) : 0;
+        }
+}
+
+void gather_residuals(const gather *g, double *const groups[GATHER_GROUPS])
+{
+    residuals job = {g, groups};
+
+    engine_run(g->solution, g->leaves.count, residual_task, &job);
 }
 
 int gather_solve_field(gather *g)

@@ -128,18 +128,22 @@ static void add_spot(path *p, const gather_spot *spot, double weight)
     }
 }
 
-/* Whether the path may end here with what the field says. */
-static int read_field(path *p, const gather_spot *spot, int depth)
+/* Whether the path may end here with what the field says. From close above the leaf's plane a ray
+ * sees what is hemmed in, which the field leaves out. */
+static int read_field(path *p, const gather_stand *from, const gather_spot *spot, int depth)
 {
     const gather *g = p->g;
-    double at[2];
+    double at[2], down[3], height;
     uint32_t leaf;
 
     gather_to_plane(gather_plane_at(g, spot->side / 2), spot->stand.x, at);
     leaf = gather_leaf_of(g, spot->side, at);
     if (leaf == gather_none)
         return 0;
-    if (depth < DEPTH_MAX && gather_is_near(gather_leaf_at(g, leaf), p->near, spot->distance))
+    vec_sub(from->x, spot->stand.x, down);
+    height = vec_dot(down, spot->stand.normal);
+    if (depth < DEPTH_MAX && (gather_is_near(gather_leaf_at(g, leaf), p->near, spot->distance) ||
+                              height < gather_hemmed_in(gather_leaf_at(g, leaf))))
         return 0;
     p->out->leaf = leaf;
     p->out->at[0] = at[0];
@@ -202,7 +206,7 @@ void gather_sample_at(const gather *g, const gather_stand *stand, const guide_vi
         if (depth == 0)
             out->distance = spot.distance;
         add_spot(&p, &spot, unguided(g, &from, view, &spot));
-        if (!(largest(g, out->through) > 0) || read_field(&p, &spot, depth))
+        if (!(largest(g, out->through) > 0) || read_field(&p, &from, &spot, depth))
             break;
         if (!survives(&p))
             break;

@@ -29,6 +29,8 @@ static void set_frame(gather_stand *stand, const double normal[3])
 void gather_query_point(const gather *g, const double x[3], const double normal[3],
                         uint32_t surface, gather_query *q)
 {
+    const double at[3] = {x[0], x[1], x[2]};
+
     memset(q, 0, sizeof *q);
     q->near = g->effort.near;
     q->stop = g->effort.stop;
@@ -44,7 +46,7 @@ void gather_query_point(const gather *g, const double x[3], const double normal[
         gather_stand_on(g, surface, back, &q->stand);
         q->seed = random_hash(gather_side_of(g, surface, back));
     }
-    vec_copy(x, q->stand.x);
+    vec_copy(at, q->stand.x);
 }
 
 /* What the irradiance may be, to judge whether guiding pays. */
@@ -70,7 +72,7 @@ static double expected_at(const gather *g, const gather_stand *stand, const doub
 
 /* Sums over the rays of an answer. */
 typedef struct sums {
-    double value[GATHER_CHANNELS], bias[2];
+    double value[GATHER_CHANNELS], group[GATHER_GROUPS];
     uint64_t rays;
 } sums;
 
@@ -80,7 +82,7 @@ static void add_sample(const gather *g, const gather_query *q, const guide_view 
     gather_stand stand = q->stand;
     gather_sample sample;
 
-    if (q->patch) {
+    if (q->average) {
         double place[2], st[2];
 
         sobol_point(&g->sobol, index, q->seed, 2, 2, place);
@@ -90,9 +92,9 @@ static void add_sample(const gather *g, const gather_query *q, const guide_view 
     gather_sample_at(g, &stand, view, q->near, index, q->seed, &sample);
     for (int c = 0; c < g->channels; c++) {
         s->value[c] += gather_sample_value(g, &sample, g->field, c);
-        for (int h = 0; h < 2 && q->errors; h++)
-            s->bias[h] +=
-                (gather_sample_value(g, &sample, q->errors[h], c) - sample.source[c]) / g->channels;
+        for (int k = 0; k < GATHER_GROUPS && q->groups; k++)
+            s->group[k] +=
+                (gather_sample_value(g, &sample, q->groups[k], c) - sample.source[c]) / g->channels;
     }
     s->rays += sample.rays;
 }
@@ -140,7 +142,7 @@ static int look_out(const gather *g, const gather_query *q, guide_view *view, su
     return any;
 }
 
-uint64_t gather_answer(const gather *g, const gather_query *q, double *total, double bias[2])
+uint64_t gather_answer(const gather *g, const gather_query *q, double *total, double *group)
 {
     double means[DOUBLINGS_MAX][GATHER_CHANNELS];
     const guide_view *guided = NULL;
@@ -174,16 +176,16 @@ uint64_t gather_answer(const gather *g, const gather_query *q, double *total, do
     }
     for (int c = 0; c < g->channels; c++)
         total[c] += fmax(means[steps - 1][c], 0);
-    for (int h = 0; h < 2 && bias; h++)
-        bias[h] = s.bias[h] / (double)count;
+    for (int k = 0; k < GATHER_GROUPS && group; k++)
+        group[k] = s.group[k] / (double)count;
     return s.rays;
 }
 
-void gather_patch(const gather *g, size_t surface, lcor_value value, size_t index, double *total)
+void gather_query_patch(const gather *g, size_t surface, lcor_value value, size_t index,
+                        gather_query *q)
 {
     const scene_surface *s = scene_surface_at(g->scene, surface);
-    double corner[3][3], patch[9], a = 0, b = 0;
-    gather_query q;
+    double corner[3][3], a = 0, b = 0;
     scene_patch p;
 
     lcor_scene_patch(g->scene, s, index, &p);
@@ -194,18 +196,14 @@ void gather_patch(const gather *g, size_t surface, lcor_value value, size_t inde
     for (int c = 0; c < 3; c++) /* of a parallelogram: corner 0 and its neighbours */
         vec_plane_point(s->origin, s->edge_u, s->edge_v, p.s[c == 2 ? p.corner_count - 1 : c],
                         p.t[c == 2 ? p.corner_count - 1 : c], corner[c]);
-    memset(&q, 0, sizeof q);
-    gather_stand_on(g, (uint32_t)surface, 0, &q.stand);
-    vec_plane_point(s->origin, s->edge_u, s->edge_v, a, b, q.stand.x);
-    vec_copy(corner[0], patch);
-    vec_sub(corner[1], corner[0], patch + 3);
-    vec_sub(corner[2], corner[0], patch + 6);
-    q.patch = value == LCOR_VALUE_AVERAGE ? patch : NULL;
-    q.triangle = p.corner_count == 3;
-    q.near = g->effort.near;
-    q.stop = g->effort.stop;
-    q.share_effort = g->effort.share;
-    q.samples = g->effort.samples;
-    q.seed = random_hash(gather_side_of(g, (uint32_t)surface, 0));
-    (void)gather_answer(g, &q, total, NULL);
+    vec_plane_point(s->origin, s->edge_u, s->edge_v, a, b, q->stand.x);
+    gather_query_point(g, q->stand.x, s->normal, (uint32_t)surface, q);
+    q->average = value == LCOR_VALUE_AVERAGE;
+    if (!q->average)
+        return;
+    q->stop = g->effort.patch_stop;
+    q->triangle = p.corner_count == 3;
+    vec_copy(corner[0], q->patch);
+    vec_sub(corner[1], corner[0], q->patch + 3);
+    vec_sub(corner[2], corner[0], q->patch + 6);
 }
