@@ -10,17 +10,6 @@
 namespace cli
 {
 
-Vec3 operator+(const Vec3 &a, const Vec3 &b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-Vec3 operator-(const Vec3 &a, const Vec3 &b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vec3 operator*(double s, const Vec3 &a) { return {s * a[0], s * a[1], s * a[2]}; }
-double dot(const Vec3 &a, const Vec3 &b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double length(const Vec3 &a) { return std::sqrt(dot(a, a)); }
-
-Vec3 cross(const Vec3 &a, const Vec3 &b)
-{
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 Transform Transform::operator*(const Transform &right) const
 {
     Transform out;
@@ -50,8 +39,6 @@ double Transform::determinant() const
 namespace
 {
 
-/* Instances of one mesh multiply: a small file must not become a huge scene. */
-constexpr size_t triangle_limit = 4000000;
 constexpr size_t vertex_limit = 32000000; /* read, and read again for every instance */
 
 class Walker

@@ -4,11 +4,10 @@
 #ifndef LCOR_CLI_GLTF_H
 #define LCOR_CLI_GLTF_H
 
-#include "scene.h"
+#include "contents.h"
 
 #include <array>
 #include <cstdint>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -24,15 +23,6 @@ struct Primitive;
 namespace cli
 {
 
-using Vec3 = std::array<double, 3>;
-
-Vec3 operator+(const Vec3 &a, const Vec3 &b);
-Vec3 operator-(const Vec3 &a, const Vec3 &b);
-Vec3 operator*(double s, const Vec3 &a);
-double dot(const Vec3 &a, const Vec3 &b);
-Vec3 cross(const Vec3 &a, const Vec3 &b);
-double length(const Vec3 &a);
-
 /* Column-major 4 x 4, as glTF stores it; the last row is 0 0 0 1. */
 struct Transform {
     std::array<double, 16> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -42,48 +32,9 @@ struct Transform {
     double determinant() const; /* of the upper 3 x 3 */
 };
 
-struct Vertex {
-    Vec3 position;
-    std::array<double, 2> uv;
-    Vec3 colour;
-};
-
-/* Triangles of one node's primitive share this. */
-struct Group {
-    std::string name; /* for messages */
-    size_t material;
-    std::array<size_t, 2> patches{0, 0}; /* extras lcor_patches, 0: not said */
-    double reflectance = -1.0;           /* extras lcor_reflectance, < 0: not said */
-};
-
-struct Triangle {
-    std::array<Vertex, 3> corner;
-    size_t group;
-};
-
-/* What a file holds, before liblcor sees it. */
-struct Contents {
-    std::vector<Triangle> triangles;
-    std::vector<Group> groups;
-    std::vector<Material> materials; /* the last one is glTF's default material */
-    std::vector<Texture> textures;
-    std::vector<Image> images;
-    std::vector<lcor_light> lights;
-    std::vector<SceneCamera> cameras;
-    std::vector<double> measured; /* extras lcor_reflectance of each material, < 0: not said */
-    size_t points_and_lines = 0;
-    std::set<std::string> unsupported; /* each said once */
-};
-
-/* Read and convert a .gltf or .glb file. Exit::input names file, node and reason. */
-Contents load_gltf(const std::string &path, Threads &threads);
-/* The same from memory (fuzzing); images beside it are looked for in `folder`, none if empty. */
+/* A .gltf or .glb from memory; what lies beside it is looked for in `folder`, nowhere if empty. */
 Contents parse_gltf(const std::string &bytes, const std::string &name, const std::string &folder,
                     Threads &threads);
-
-/* Merge, judge and commit what a file holds. */
-Scene build_scene(Contents contents, const SceneOptions &options, const std::string &name,
-                  Threads &threads);
 
 /* ---- between the files of the reader ---- */
 

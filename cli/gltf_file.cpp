@@ -198,9 +198,7 @@ void read_model(const std::string &bytes, const std::string &folder, ModelFile &
 
 Contents load_gltf(const std::string &path, Threads &threads)
 {
-    const size_t slash = path.rfind('/');
-    const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
-    return parse_gltf(read_file(path, file_limit), path, folder, threads);
+    return parse_gltf(read_file(path, file_limit), path, folder_beside(path), threads);
 }
 
 } // namespace cli

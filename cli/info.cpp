@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* `lcor info`: what a profile, scene or picture holds. */
-#include "gltf.h"
+#include "contents.h"
 #include "pixels.h"
 #include "stream.h"
 
@@ -21,6 +21,8 @@ Kind kind_of(const std::string &path, const std::string &start)
     for (const char *extension : {".gltf", ".glb"})
         if (path.size() > 5 && path.find(extension, path.size() - 5) != std::string::npos)
             return Kind::scene;
+    if (named_obj(path))
+        return Kind::scene;
     const size_t first = start.find_first_not_of(" \t\r\n\xef\xbb\xbf");
     if (start.compare(0, 4, "glTF") == 0 || (first != std::string::npos && start[first] == '{'))
         return Kind::scene;
@@ -160,7 +162,7 @@ void print_people(const Json &info)
 
 Exit run_info(const Arguments &arguments)
 {
-    Options options("lcor info FILE", "What a device profile, a glTF scene or a picture holds.");
+    Options options("lcor info FILE", "What a device profile, a scene or a picture holds.");
     if (!options.parse(arguments))
         return Exit::ok;
     const std::string path = options.operand("a file");

@@ -88,6 +88,14 @@ bool exists(const std::string &path)
     return stat(path.c_str(), &info) == 0;
 }
 
+bool shows_surface(const Picture &picture)
+{
+    size_t count = 0;
+    for (size_t y = 0; y < picture.height() && count == 0; y++)
+        lcor_view_row(picture.view(), y, &count);
+    return count > 0;
+}
+
 double find_mean(const RenderOptions &render, const Device &device, const Picture &picture,
                  const lcor_solution *solution)
 {
@@ -95,6 +103,11 @@ double find_mean(const RenderOptions &render, const Device &device, const Pictur
         return *render.correction.given_mean();
     if (!render.adaptation.empty() && exists(render.adaptation))
         return read_adaptation(render.adaptation);
+    if (render.mean_over == 0 && !shows_surface(picture))
+        fail(Exit::input,
+             "scene '%s': its camera sees no surface, so there is nothing to adapt to; choose "
+             "another with --camera, or --mean-over surfaces",
+             render.scene.c_str());
     const double r_mean =
         render.mean_over == 1
             ? mean_over_surfaces(picture.scene(), solution, render.correction.mean_method())
@@ -180,8 +193,8 @@ Exit run_render(const Arguments &arguments)
     RenderOptions render;
     Options options(
         "lcor render SCENE -o PICTURE (--profile FILE | --contrast C) [options]",
-        "What a camera sees of a glTF scene, lit by radiosity, with its lightness corrected for a\n"
-        "device of limited contrast; or, for comparison, by the conventional method.");
+        "What a camera sees of a scene (.gltf, .glb, .obj), lit by radiosity, with its lightness\n"
+        "corrected for a device of limited contrast; or by the conventional method, to compare.");
     declare(options, render);
     if (!options.parse(arguments))
         return Exit::ok;

@@ -264,6 +264,12 @@ void SceneOptions::declare_light(Options &table)
         .list("--light", "x,y,z,I", lights, "add a point light of I candela; may be repeated");
 }
 
+std::string folder_beside(const std::string &path)
+{
+    const size_t slash = path.rfind('/');
+    return slash == std::string::npos ? "./" : path.substr(0, slash + 1);
+}
+
 Scene build_scene(Contents contents, const SceneOptions &options, const std::string &name,
                   Threads &threads)
 {
@@ -272,7 +278,8 @@ Scene build_scene(Contents contents, const SceneOptions &options, const std::str
 
 Scene load_scene(const std::string &path, const SceneOptions &options, Threads &threads)
 {
-    return build_scene(load_gltf(path, threads), options, path, threads);
+    return build_scene(named_obj(path) ? load_obj(path, threads) : load_gltf(path, threads),
+                       options, path, threads);
 }
 
 } // namespace cli

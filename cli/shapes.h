@@ -3,7 +3,7 @@
 #ifndef LCOR_CLI_SHAPES_H
 #define LCOR_CLI_SHAPES_H
 
-#include "gltf.h"
+#include "contents.h"
 
 namespace cli
 {
