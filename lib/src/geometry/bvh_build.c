@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Binary tree by the surface area heuristic with 16 bins, then collapsed to eight children. */
+/* Binary tree by the surface area heuristic with 32 bins, then collapsed to eight children. */
 #include "base/internal.h"
 #include "geometry/bvh_internal.h"
 #include "geometry/vec.h"
@@ -7,10 +7,10 @@
 #include <float.h>
 #include <string.h>
 
-enum { BINS = 16, TASKS_MAX = 64, PARALLEL_MIN = 4096, SAH_DEPTH_MAX = BVH_DEPTH_MAX - 32 };
+enum { BINS = 32, TASKS_MAX = 64, PARALLEL_MIN = 4096, SAH_DEPTH_MAX = BVH_DEPTH_MAX - 32 };
 
 /* Rounding allowance of boxes: a few ulp of the largest coordinate, which is 1. */
-static const float box_slack = 8 * FLT_EPSILON;
+static const float box_slack = 12 * FLT_EPSILON;
 
 /* The same for the products of the float test: origins lie within 6, edges are at most 2 sqrt 3. */
 static const double product_slack = 64 * (double)FLT_EPSILON;
@@ -79,7 +79,7 @@ typedef struct split {
     float lo, scale;
 } split;
 
-/* Best of the 15 planes along one axis. */
+/* Best of the 31 planes along one axis. */
 static void try_axis(const item *items, size_t count, int axis, float lo, float hi, split *best)
 {
     const float scale = (float)BINS / (hi - lo);
@@ -218,19 +218,18 @@ static void fill_block(lcor_bvh *bvh, const builder *b, const binary_node *leaf)
 
     memset(block, 0, sizeof *block);
     block->first = (uint32_t)bvh->exact_count;
-    for (uint32_t i = 0; i < BVH_BLOCK; i++)
-        block->sum_max[i] = -1;
+    block->used = (1u << leaf->count) - 1;
     for (uint32_t i = 0; i < leaf->count; i++) {
         const bvh_exact *p = &b->exact[b->items[leaf->first + i].at];
+        float slack;
 
         for (int k = 0; k < 3; k++) {
             block->origin[k][i] = (float)p->origin[k];
             block->u[k][i] = (float)p->edge_u[k];
             block->v[k][i] = (float)p->edge_v[k];
         }
-        block->sum_max[i] = p->parallelogram ? 2.0f : 1.0f;
-        block->slack[i] =
-            (float)(product_slack * fmax(vec_length(p->edge_u), vec_length(p->edge_v)));
+        slack = (float)(product_slack * fmax(vec_length(p->edge_u), vec_length(p->edge_v)));
+        block->slack[i] = p->parallelogram ? -slack : slack;
         block->owner[i] = p->owner;
         bvh->exact[bvh->exact_count++] = *p;
     }

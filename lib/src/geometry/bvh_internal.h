@@ -7,7 +7,7 @@
 
 enum { BVH_WIDTH = 8, BVH_BLOCK = 4, BVH_DEPTH_MAX = 72 };
 
-/* Nodes and blocks fill four cache lines each. */
+/* Nodes fill four cache lines, blocks three. */
 enum { BVH_LINE = 64 };
 
 /* child >= 0: a node; < 0: block ~child. Unused slots have empty boxes. */
@@ -17,12 +17,11 @@ typedef struct bvh_node {
 } bvh_node;
 
 /* Up to four primitives side by side, number `first` and on. `slack` / |determinant| bounds how far
- * the float u, v and t of a hit may be from the true ones. */
+ * the float u, v and t of a hit may be from the true ones; it is negative for parallelograms. */
 typedef struct bvh_block {
-    float origin[3][BVH_BLOCK], u[3][BVH_BLOCK], v[3][BVH_BLOCK];
-    float sum_max[BVH_BLOCK]; /* largest u + v: 1 triangle, 2 parallelogram, -1 unused */
-    float slack[BVH_BLOCK];
-    uint32_t owner[BVH_BLOCK], first, unused[15];
+    float origin[3][BVH_BLOCK], u[3][BVH_BLOCK], v[3][BVH_BLOCK], slack[BVH_BLOCK];
+    uint32_t owner[BVH_BLOCK], first, used; /* used: a bit for each primitive there is */
+    uint32_t unused[2];
 } bvh_block;
 
 /* A primitive in the frame of the hierarchy, in the order of the blocks. */

@@ -52,7 +52,7 @@ static void set_far(walker *w)
 /* Returns 0 if there is nothing to meet. */
 static int start(walker *w, const lcor_bvh *bvh, const lcor_ray *ray)
 {
-    double largest = 0, over, distance2, slack;
+    double largest = 0, inverse, over, distance2, slack;
 
     w->bvh = bvh;
     w->skip = ray->skip;
@@ -63,8 +63,9 @@ static int start(walker *w, const lcor_bvh *bvh, const lcor_ray *ray)
         w->direction[k] = ray->direction[k] * bvh->scale;
         largest = fabs(w->direction[k]) > largest ? fabs(w->direction[k]) : largest;
     }
+    inverse = 1 / largest;
     for (int k = 0; k < 3; k++)
-        w->direction[k] /= largest;
+        w->direction[k] *= inverse;
     /* From far away, start near the scene, so that float coordinates stay small. */
     w->shift = 0;
     distance2 = vec_dot(w->origin, w->origin);
@@ -77,11 +78,11 @@ static int start(walker *w, const lcor_bvh *bvh, const lcor_ray *ray)
     w->t_min = ray->t_min * largest - w->shift;
     w->t_max = ray->t_max * largest - w->shift;
     for (int k = 0; k < 3; k++) {
-        const double d = w->direction[k];
+        const float d = (float)w->direction[k];
 
         w->ray.o[k] = (float)w->origin[k];
-        w->ray.d[k] = (float)d;
-        w->ray.inverse[k] = (float)(1 / (fabs(d) > 1e-12 ? d : copysign(1e-12, d)));
+        w->ray.d[k] = d;
+        w->ray.inverse[k] = 1 / (fabsf(d) > 1e-12f ? d : copysignf(1e-12f, d));
         w->ray.in[k] = 2 * k + (w->ray.inverse[k] < 0); /* also of -0 */
     }
     slack = fabs(w->t_min) * far_part + far_add;
@@ -91,26 +92,27 @@ static int start(walker *w, const lcor_bvh *bvh, const lcor_ray *ray)
     return bvh->node_count > 0 && w->t_min < w->t_max;
 }
 
-/* Decides in double whether primitive `index` is the nearest hit so far. */
+/* Decides in double whether primitive `index` is the nearest hit so far: first by t, since what the
+ * float test leaves in doubt is most often the ray's own beginning. */
 static int meet(walker *w, uint32_t index)
 {
     const bvh_exact *p = &w->bvh->exact[index];
-    double a[3], b[3], s[3], det, u, v, t;
+    double a[3], b[3], s[3], det, inverse, u, v, t;
 
+    vec_sub(w->origin, p->origin, s);
     vec_cross(w->direction, p->edge_v, a);
+    vec_cross(s, p->edge_u, b);
     det = vec_dot(p->edge_u, a);
     if (det == 0)
         return 0;
-    vec_sub(w->origin, p->origin, s);
-    u = vec_dot(s, a) / det;
-    if (u < -edge_slack || u > 1 + edge_slack)
-        return 0;
-    vec_cross(s, p->edge_u, b);
-    v = vec_dot(w->direction, b) / det;
-    if (v < -edge_slack || (p->parallelogram ? v : u + v) > 1 + edge_slack)
-        return 0;
-    t = vec_dot(p->edge_v, b) / det;
+    inverse = 1 / det;
+    t = vec_dot(p->edge_v, b) * inverse;
     if (!(t > w->t_min && t < w->t_max))
+        return 0;
+    u = vec_dot(s, a) * inverse;
+    v = vec_dot(w->direction, b) * inverse;
+    if (!(u >= -edge_slack && u <= 1 + edge_slack && v >= -edge_slack &&
+          (p->parallelogram ? v : u + v) <= 1 + edge_slack))
         return 0;
     w->t_max = t;
     set_far(w);

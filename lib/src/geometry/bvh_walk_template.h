@@ -27,10 +27,11 @@ INNER unsigned ISA(test)(const walker *w, const float_ray *r, const bvh_block *b
         const float u = (sx * ax + sy * ay + sz * az) * inv;
         const float v = (dx * bx + dy * by + dz * bz) * inv;
         const float t = (vx * bx + vy * by + vz * bz) * inv;
-        const float slack = 1e-6f + block->slack[i] * (inv < 0 ? -inv : inv);
+        const float bound = block->slack[i], most = bound < 0 ? 2.0f : 1.0f;
+        const float slack = 1e-6f + (bound < 0 ? -bound : bound) * (inv < 0 ? -inv : inv);
         /* How deep inside: u, v >= 0, u, v <= 1, u + v <= most. */
         const float low = u < v ? u : v, high = 1 - (u < v ? v : u);
-        const float rest = block->sum_max[i] - (u + v);
+        const float rest = most - (u + v);
         const float edge = low < high ? low : high, depth = edge < rest ? edge : rest;
 
         /* Written so that a NaN or infinity of a grazing ray passes on to the exact test. */
@@ -39,7 +40,7 @@ INNER unsigned ISA(test)(const walker *w, const float_ray *r, const bvh_block *b
         c->slack[i] = slack;
         c->depth[i] = depth;
     }
-    return mask4_base(pass);
+    return mask4_base(pass) & block->used;
 }
 
 /* Whether the ray meets any of the block. */
