@@ -116,7 +116,7 @@ int main(void)
             run(2);
             if (hash(out, sizeof out) != one_thread)
                 printf("%d differs with two threads\n", kind);
-            for (size_t v = 0; plan->kernel != NULL && (kernel = lcor_internal_kernel(v)); v++) {
+            for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
                 plan->kernel = kernel;
                 memset(out, 0, sizeof out);
                 run(1);

@@ -8,15 +8,15 @@
 
 double lcor_internal_cbrt(double x)
 {
-    const double a = fabs(x);
-    double y;
+    double a = fabs(x), scale = 1.0, y;
 
     if (!(a > 0.0) || a > DBL_MAX)
         return x;
-    if (a < DBL_MIN) /* the exponent trick needs a normal number; factors 2^54, 2^-18 */
-        y = lcor_internal_cbrt_normal(a * 18014398509481984.0) * 3.814697265625e-6;
-    else
-        y = lcor_internal_cbrt_normal(a);
+    if (a < DBL_MIN) {             /* the exponent trick needs a normal number */
+        a *= 18014398509481984.0;  /* 2^54 */
+        scale = 3.814697265625e-6; /* 2^-18 */
+    }
+    y = lcor_internal_cbrt_normal(a) * scale;
     return x < 0.0 ? -y : y;
 }
 

@@ -121,13 +121,13 @@ void lcor_rgb_from_xyz(const lcor_colour *colour, const double xyz[3], double rg
 
 void lcor_lab_from_xyz(const lcor_colour *colour, const double xyz[3], double lab[3])
 {
-    const double fx = lcor_internal_f(colour->lightness, xyz[0] / colour->white[0]);
-    const double fy = lcor_internal_f(colour->lightness, xyz[1] / colour->white[1]);
-    const double fz = lcor_internal_f(colour->lightness, xyz[2] / colour->white[2]);
+    double f[3];
 
-    lab[0] = 116.0 * fy - 16.0; /* eq 2 */
-    lab[1] = 500.0 * (fx - fy); /* eq 3 */
-    lab[2] = 200.0 * (fy - fz); /* eq 4 */
+    for (int i = 0; i < 3; i++)
+        f[i] = lcor_internal_f(colour->lightness, xyz[i] / colour->white[i]);
+    lab[0] = 116.0 * f[1] - 16.0;   /* eq 2 */
+    lab[1] = 500.0 * (f[0] - f[1]); /* eq 3 */
+    lab[2] = 200.0 * (f[1] - f[2]); /* eq 4 */
 }
 
 void lcor_xyz_from_lab(const lcor_colour *colour, const double lab[3], double xyz[3])

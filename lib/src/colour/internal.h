@@ -6,30 +6,26 @@
 
 #include <lcor/colour.h>
 
-/* f of eqs 2-4, in the kind of lightness asked for. */
-static inline double lcor_internal_f(lcor_lightness lightness, double t)
+/* f of eqs 2-4 (CIE 1976), without a jump, so that several go side by side. */
+static LCOR_INLINE double lcor_internal_f_cie(double t)
 {
-    if (lightness == LCOR_LIGHTNESS_PAPER)
-        return lcor_internal_cbrt(t);
-    return t > 216.0 / 24389.0 ? lcor_internal_cbrt_normal(t) : t * (841.0 / 108.0) + 4.0 / 29.0;
+    const double knee = 216.0 / 24389.0, root = lcor_internal_cbrt_normal(t > knee ? t : knee);
+
+    return t > knee ? root : t * (841.0 / 108.0) + 4.0 / 29.0;
 }
 
-/* Its inverse, and the first and second derivative of that. */
+/* The same in the kind of lightness asked for. */
+static inline double lcor_internal_f(lcor_lightness lightness, double t)
+{
+    return lightness == LCOR_LIGHTNESS_PAPER ? lcor_internal_cbrt(t) : lcor_internal_f_cie(t);
+}
+
+/* Its inverse. */
 static inline double lcor_internal_f_inverse(lcor_lightness lightness, double f)
 {
     if (lightness == LCOR_LIGHTNESS_PAPER || f > 6.0 / 29.0)
         return f * f * f;
     return (f - 4.0 / 29.0) * (108.0 / 841.0);
-}
-
-static inline double lcor_internal_f_inverse_slope(lcor_lightness lightness, double f)
-{
-    return lightness == LCOR_LIGHTNESS_PAPER || f > 6.0 / 29.0 ? 3.0 * f * f : 108.0 / 841.0;
-}
-
-static inline double lcor_internal_f_inverse_bend(lcor_lightness lightness, double f)
-{
-    return lightness == LCOR_LIGHTNESS_PAPER || f > 6.0 / 29.0 ? 6.0 * f : 0.0;
 }
 
 /* out = m in, m row-major 3x3; in may be out. */

@@ -4,49 +4,60 @@
 #include "correct/internal.h"
 #include "correct/sample.h"
 
+#include "base/internal.h"
+
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
 int lcor_internal_is_interleaved(lcor_layout l) { return l.pixel_step == 3 && l.channel_step == 1; }
 
-/* copy[3 j + k] = value of sample s, for channel k of pixel j */
+/* to[j] = value of sample s of pixel j */
 #define LOAD(type, value)                                                                          \
-    for (size_t k = 0; k < 3; k++)                                                                 \
-        for (size_t j = 0; j < m; j++) {                                                           \
-            const type s =                                                                         \
-                ((const type *)job->texels)[(at + j) * l.pixel_step + k * l.channel_step];         \
-            copy[3 * j + k] = (value);                                                             \
-        }
+    for (size_t j = 0; j < m; j++) {                                                               \
+        const type s = ((const type *)from)[j * step];                                             \
+                                                                                                   \
+        to[j] = (value);                                                                           \
+    }
 
-void lcor_internal_load_texels(const lcor_row_job *job, size_t at, size_t m, float *copy)
+static LCOR_APART void load_plane(const lcor_plan *p, const void *from, size_t step, size_t m,
+                                  float *to)
 {
-    const lcor_plan *p = job->plan;
-    const lcor_layout l = p->in;
-
-    if (m < LCOR_BLOCK)
-        memset(copy, 0, 3 * LCOR_BLOCK * sizeof *copy);
-    if (job->f != NULL) {
-        for (size_t k = 0; k < 3; k++)
-            memcpy(copy + k * LCOR_BLOCK, job->f + k * job->plane + at, m * sizeof *copy);
-    } else if (p->decode_table != NULL) {
+    if (p->decode_table != NULL) {
         LOAD(uint8_t, p->decode_table[s])
     } else if (p->in_type == LCOR_F32) {
         LOAD(float, s)
-    } else if (m == LCOR_BLOCK && lcor_internal_is_interleaved(l)) {
-        p->kernel->widen(p->in_type,
-                         (const char *)job->texels + 3 * at * lcor_internal_sample_size(p->in_type),
-                         copy);
+    } else if (step == 1 && m == LCOR_BLOCK) {
+        p->kernel->widen(p->in_type, 1, from, to);
     } else if (p->in_type == LCOR_U8) {
         LOAD(uint8_t, (float)s)
     } else {
         LOAD(uint16_t, (float)s)
     }
+    for (size_t j = m; j < LCOR_BLOCK; j++)
+        to[j] = 0.0f;
+}
+
+void lcor_internal_load_texels(const lcor_row_job *job, size_t at, size_t m, lcor_block *b)
+{
+    const lcor_layout l = job->plan->in;
+    const size_t size = lcor_internal_sample_size(job->plan->in_type);
+    const char *from = (const char *)job->texels + at * l.pixel_step * size;
+
+    for (size_t k = 0; k < 3; k++, from += l.channel_step * size)
+        load_plane(job->plan, from, l.pixel_step, m, b->c[k]);
+}
+
+void lcor_internal_load_f(const lcor_row_job *job, size_t at, size_t m, float f[][LCOR_BLOCK])
+{
+    memset(f, 0, 3 * sizeof *f);
+    for (size_t k = 0; k < 3; k++)
+        memcpy(f[k], job->f + k * job->plane + at, m * sizeof(float));
 }
 
 static int valid(double x) { return x >= 0.0 && x <= DBL_MAX; }
 
-int lcor_internal_load_maps(const lcor_row_job *job, size_t at, size_t m, lcor_block *b)
+LCOR_COLD int lcor_internal_load_maps(const lcor_row_job *job, size_t at, size_t m, lcor_block *b)
 {
     const lcor_plan *p = job->plan;
     int suspect = 0;
@@ -76,24 +87,22 @@ int lcor_internal_load_maps(const lcor_row_job *job, size_t at, size_t m, lcor_b
 }
 
 /* What is bad becomes black; what is merely huge, huge but harmless. */
-size_t lcor_internal_replace_bad(const lcor_row_job *job, size_t at, size_t m, float *copy,
-                                 lcor_block *b)
+LCOR_COLD size_t lcor_internal_replace_bad(const lcor_row_job *job, size_t at, size_t m,
+                                           float c[][LCOR_BLOCK], lcor_block *b)
 {
     const lcor_plan *p = job->plan;
     const float huge = job->f != NULL ? 2097152.0f : 18446744073709551616.0f;
-    const size_t pixel_step = job->f != NULL ? 1 : 3, step = job->f != NULL ? LCOR_BLOCK : 1;
     size_t bad = 0;
 
     for (size_t j = 0; j < m; j++) {
-        float *c = copy + j * pixel_step;
         int good =
             valid(lcor_internal_load_sample(job->illuminance, p->map_type, at + j)) &&
             (job->rho == NULL || valid(lcor_internal_load_sample(job->rho, p->map_type, at + j)));
 
         for (size_t k = 0; k < 3; k++)
-            good = good && c[k * step] >= 0.0f && c[k * step] <= FLT_MAX;
+            good = good && c[k][j] >= 0.0f && c[k][j] <= FLT_MAX;
         for (size_t k = 0; k < 3; k++)
-            c[k * step] = good ? fminf(c[k * step], huge) : 0.0f;
+            c[k][j] = good ? fminf(c[k][j], huge) : 0.0f;
         if (good)
             continue;
         b->v[j] = 0.0f;
@@ -107,12 +116,15 @@ size_t lcor_internal_replace_bad(const lcor_row_job *job, size_t at, size_t m, f
     return bad;
 }
 
+/* 0..1; 0 for NaN */
+static float clamped(float x) { return x > 0.0f ? (x < 1.0f ? x : 1.0f) : 0.0f; }
+
 static void apply_tone(const lcor_plan *plan, float *values)
 {
     const float last = (float)(plan->tone_size - 1);
 
     for (size_t j = 0; j < LCOR_BLOCK; j++) {
-        const float x = fminf(fmaxf(values[j], 0.0f), 1.0f) * last;
+        const float x = clamped(values[j]) * last;
         const size_t i = x < last ? (size_t)x : plan->tone_size - 2;
         const float s = x - (float)i;
 
@@ -120,31 +132,40 @@ static void apply_tone(const lcor_plan *plan, float *values)
     }
 }
 
-void lcor_internal_to_device(const lcor_plan *plan, float c[][LCOR_BLOCK])
+void lcor_internal_to_device(const lcor_plan *plan, float values[LCOR_BLOCK])
 {
-    for (int k = 0; k < 3; k++)
-        if (plan->tone != NULL)
-            apply_tone(plan, c[k]);
-        else if (plan->colour.transfer != LCOR_TRANSFER_LINEAR)
-            plan->kernel->transfer(&plan->k.encode, c[k]);
+    if (plan->tone != NULL)
+        apply_tone(plan, values);
+    else if (plan->colour.transfer != LCOR_TRANSFER_LINEAR)
+        plan->kernel->transfer(&plan->k.encode, values);
 }
 
-/* d[j step] = value of c, clamped, for each pixel j of a plane */
-#define STORE(type, value)                                                                         \
-    for (size_t j = 0; j < m; j++) {                                                               \
-        const float c = from[j] > 0.0f ? (from[j] < 1.0f ? from[j] : 1.0f) : 0.0f;                 \
-        ((type *)to)[j * step] = (type)(value);                                                    \
-    }
+/* to[j step] = from[j], m samples */
+#define SCATTER(type)                                                                              \
+    for (size_t j = 0; j < m; j++)                                                                 \
+        ((type *)to)[j * step] = ((const type *)from)[j];
 
-static void store_plane(lcor_sample type, const float *from, size_t m, void *to, size_t step)
+static LCOR_APART void scatter(lcor_sample type, const void *from, size_t m, void *to, size_t step)
 {
-    if (type == LCOR_F32) {
-        STORE(float, c)
+    if (step == 1) {
+        memcpy(to, from, m * lcor_internal_sample_size(type));
+    } else if (type == LCOR_F32) {
+        SCATTER(float)
     } else if (type == LCOR_U8) {
-        STORE(uint8_t, c * 255.0f + 0.5f)
+        SCATTER(uint8_t)
     } else {
-        STORE(uint16_t, c * 65535.0f + 0.5f)
+        SCATTER(uint16_t)
     }
+}
+
+/* Values of 0..1 as the samples that go out: `values` themselves, or in `codes`. */
+static LCOR_APART const void *as_samples(const lcor_plan *p, const float *values,
+                                         uint16_t codes[LCOR_BLOCK])
+{
+    if (p->out_type == LCOR_F32)
+        return values;
+    p->kernel->narrow(p->out_type, 1, values, codes);
+    return codes;
 }
 
 void lcor_internal_store_pixels(const lcor_row_job *job, size_t at, size_t m, lcor_block *b)
@@ -153,15 +174,33 @@ void lcor_internal_store_pixels(const lcor_row_job *job, size_t at, size_t m, lc
     const lcor_layout l = p->out;
     const size_t size = lcor_internal_sample_size(p->out_type);
     char *to = (char *)job->out + at * l.pixel_step * size;
+    uint16_t LCOR_ALIGNED codes[LCOR_BLOCK];
     float LCOR_ALIGNED pixels[3 * LCOR_BLOCK];
 
     if (m < LCOR_BLOCK || !lcor_internal_is_interleaved(l)) {
+        p->kernel->clamp_planes(b->c[0]);
         for (size_t k = 0; k < 3; k++, to += l.channel_step * size)
-            store_plane(p->out_type, b->c[k], m, to, l.pixel_step);
+            scatter(p->out_type, as_samples(p, b->c[k], codes), m, to, l.pixel_step);
     } else if (p->out_type == LCOR_F32) {
         p->kernel->interleave(b, (float *)(void *)to);
     } else {
         p->kernel->interleave(b, pixels);
-        p->kernel->narrow(p->out_type, pixels, to);
+        p->kernel->narrow(p->out_type, 3, pixels, to);
     }
+}
+
+void lcor_internal_store_apart(const lcor_row_job *job, size_t count, const size_t *at,
+                               float values[LCOR_BLOCK])
+{
+    const lcor_plan *p = job->plan;
+    const size_t size = lcor_internal_sample_size(p->out_type);
+    uint16_t LCOR_ALIGNED codes[LCOR_BLOCK];
+    const char *from;
+
+    for (size_t j = 0; j < 3 * count; j++)
+        values[j] = clamped(values[j]);
+    from = as_samples(p, values, codes);
+    for (size_t i = 0; i < count; i++, from += 3 * size)
+        scatter(p->out_type, from, 3, (char *)job->out + at[i] * p->out.pixel_step * size,
+                p->out.channel_step);
 }

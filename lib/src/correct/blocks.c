@@ -1,38 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* A row on the float path, block by block: read, light, chroma, what left the gamut, write. */
-#include "correct/internal.h"
+#include "correct/lanes.h"
+#include "correct/sample.h"
 
 #include <string.h>
-
-/* The texels of a block as the kernels read them. */
-typedef struct texels {
-    const float
-        *v;       /* linear RGB interleaved, or planes fx, fy, fz: the caller's memory or `copy` */
-    size_t plane; /* distance of the planes */
-    float LCOR_ALIGNED copy[3 * LCOR_BLOCK];
-} texels;
-
-static void copy_texels(const lcor_row_job *job, size_t at, size_t m, texels *t)
-{
-    lcor_internal_load_texels(job, at, m, t->copy);
-    t->v = t->copy;
-    t->plane = LCOR_BLOCK;
-}
-
-static void read_texels(const lcor_row_job *job, size_t at, size_t m, texels *t)
-{
-    const lcor_plan *p = job->plan;
-
-    if (m == LCOR_BLOCK && job->f != NULL) {
-        t->v = job->f + at;
-        t->plane = job->plane;
-    } else if (m == LCOR_BLOCK && p->in_type == LCOR_F32 && !p->decode_by_power &&
-               lcor_internal_is_interleaved(p->in)) {
-        t->v = (const float *)job->texels + 3 * at;
-    } else {
-        copy_texels(job, at, m, t);
-    }
-}
 
 /* m values, then ones, in `space` */
 static const float *padded(const float *values, size_t m, float space[LCOR_BLOCK])
@@ -65,93 +36,147 @@ static int read_maps(const lcor_row_job *job, size_t at, size_t m, lcor_block *b
     return suspect;
 }
 
-/* X, Y, Z and Ynew, or what of them a converted texture leaves to do. Not 0 if some may be bad. */
-static int light(const lcor_row_job *job, texels *t, lcor_block *b)
+/* X, Y, Z and Ynew of a block of samples. Not 0 if some are bad: with `bad`, a second call does
+ * without them and counts them. */
+static int light(const lcor_row_job *job, size_t at, size_t m, size_t *bad, lcor_block *b)
 {
     const lcor_plan *p = job->plan;
+    const int are_pixels = m == LCOR_BLOCK && bad == NULL && !p->decode_by_power &&
+                           p->decode_table == NULL && lcor_internal_is_interleaved(p->in);
     int suspect = 0;
 
-    if (job->f != NULL)
-        return p->kernel->lightness_of_f(&p->k, t->v, t->plane, b);
+    if (are_pixels && p->in_type == LCOR_F32)
+        return p->kernel->lightness(&p->k, (const float *)job->texels + 3 * at, b);
+    if (are_pixels && p->in_type == LCOR_U8) {
+        p->kernel->split_bytes((const uint8_t *)job->texels + 3 * at, b);
+        return p->kernel->lightness_of_planes(&p->k, b);
+    }
+    if (are_pixels) {
+        p->kernel->widen(LCOR_U16, 3, (const uint16_t *)job->texels + 3 * at, b->g[0]);
+        return p->kernel->lightness(&p->k, b->g[0], b);
+    }
+    lcor_internal_load_texels(job, at, m, b);
+    if (bad != NULL)
+        *bad = lcor_internal_replace_bad(job, at, m, b->c, b);
     for (size_t k = 0; p->decode_by_power && k < 3; k++)
-        suspect |= p->kernel->transfer(&p->k.decode, t->copy + k * LCOR_BLOCK);
-    return suspect | p->kernel->lightness(&p->k, t->v, b);
+        suspect |= p->kernel->transfer(&p->k.decode, b->c[k]);
+    return suspect | p->kernel->lightness_of_planes(&p->k, b);
+}
+
+/* Y, Ynew and 1 - f of X, Y, Z, where f is there already. */
+static int light_of_f(const lcor_row_job *job, size_t at, size_t m, size_t *bad, lcor_block *b)
+{
+    const lcor_plan *p = job->plan;
+    float LCOR_ALIGNED f[3][LCOR_BLOCK];
+
+    if (m == LCOR_BLOCK && bad == NULL)
+        return p->kernel->lightness_of_f(&p->k, job->f + at, job->plane, b);
+    lcor_internal_load_f(job, at, m, f);
+    if (bad != NULL)
+        *bad = lcor_internal_replace_bad(job, at, m, f, b);
+    return p->kernel->lightness_of_f(&p->k, f[0], LCOR_BLOCK, b);
 }
 
 /* Chroma and lightness of a block, up to linear RGB that is not yet clamped. */
 static void compute(const lcor_row_job *job, size_t at, size_t m, lcor_block *b)
 {
     const lcor_plan *p = job->plan;
-    const int suspect_maps = read_maps(job, at, m, b);
+    int (*const lit)(const lcor_row_job *, size_t, size_t, size_t *, lcor_block *) =
+        job->f != NULL ? light_of_f : light;
     size_t bad = 0;
-    texels t;
 
-    read_texels(job, at, m, &t);
-    if (suspect_maps | light(job, &t, b)) { /* rule S10: once more, without what is bad */
-        copy_texels(job, at, m, &t);
-        bad = lcor_internal_replace_bad(job, at, m, t.copy, b);
-        light(job, &t, b);
-    }
+    if (read_maps(job, at, m, b) | lit(job, at, m, NULL, b))
+        lit(job, at, m, &bad, b); /* rule S10 */
     if (job->stats != NULL) {
-        p->kernel->count(b->t, job->stats);
+        p->kernel->count(&p->k, b, job->stats);
         if (p->k.w < 0.0f) /* T of what is bad or beyond the end: stands there as black */
             job->stats->clipped_low -= bad + (LCOR_BLOCK - m);
     }
-    if (job->f != NULL)
-        p->kernel->g(b->c[3], 1);
+    if (job->f == NULL)
+        p->kernel->g(b->c[0], b->g[0], 4);
     else
-        p->kernel->g(b->c[0], 4);
+        p->kernel->g(b->c[3], b->g[3], 1);
     p->kernel->chroma(&p->k, b);
 }
 
-/* Are eight of them 0? */
-static int none(const int32_t *outside)
-{
-    uint64_t two[4];
+/* Pixels whose colour float leaves open: out of the gamut, or too near its faces to say. */
+typedef struct open_pixels {
+    lcor_lanes lanes;
+    size_t count, at[LCOR_LANES];
+} open_pixels;
 
-    memcpy(two, outside, sizeof two);
-    return (two[0] | two[1] | two[2] | two[3]) == 0;
+/* The reference gives them their count, and by rule S9 their colour: into the block at hand, or
+ * over what float wrote of blocks before. */
+static void settle(const lcor_row_job *job, size_t at, lcor_block *b, open_pixels *open)
+{
+    const lcor_plan *p = job->plan;
+    float LCOR_ALIGNED values[LCOR_BLOCK] = {0.0f};
+    size_t earlier = 0;
+
+    lcor_internal_correct_lanes(job, &open->lanes);
+    for (size_t i = 0; job->stats != NULL && i < open->count; i++)
+        job->stats->out_of_gamut += (open->lanes.flags[i] & LCOR_PIXEL_OUTSIDE) != 0;
+    if (p->gamut == LCOR_GAMUT_KEEP_HUE) {
+        for (size_t i = 0; i < open->count; i++)
+            for (size_t k = 0; k < 3; k++) {
+                values[3 * i + k] = (float)open->lanes.c[k][i];
+                if (open->at[i] >= at)
+                    b->c[k][open->at[i] - at] = values[3 * i + k];
+            }
+        lcor_internal_to_device(p, values);
+        while (earlier < open->count && open->at[earlier] < at)
+            earlier++;
+        lcor_internal_store_apart(job, earlier, open->at, values);
+    }
+    open->count = 0;
 }
 
-/* What float leaves open: pixels out of gamut, or too near its faces to say. The reference gives
- * them their colour by rule S9, and their count. */
-static void settle_outside(const lcor_row_job *job, size_t at, size_t m, lcor_block *b)
+static void find_open(const lcor_row_job *job, size_t at, size_t m, lcor_block *b,
+                      open_pixels *open)
 {
-    const int keep_hue = job->plan->gamut == LCOR_GAMUT_KEEP_HUE;
     int32_t LCOR_ALIGNED outside[LCOR_BLOCK];
+    uint8_t list[LCOR_BLOCK];
+    size_t count = 0;
 
     job->plan->kernel->find_outside(b, outside);
-    for (size_t j = 0; j < m; j++) {
-        double rgb[3];
-        unsigned flags;
+    for (size_t j = 0; j < m; j += 8) {
+        uint64_t two[4];
 
-        if (j % 8 == 0 && none(outside + j)) {
-            j += 7;
+        memcpy(two, outside + j, sizeof two);
+        if ((two[0] | two[1] | two[2] | two[3]) == 0)
             continue;
+        for (size_t i = j; i < j + 8 && i < m; i++) {
+            list[count] = (uint8_t)i;
+            count += outside[i] != 0;
         }
-        if (outside[j] == 0)
-            continue;
-        flags = lcor_internal_correct_at(job, at + j, rgb);
-        for (int k = 0; keep_hue && k < 3; k++)
-            b->c[k][j] = (float)rgb[k];
-        if (job->stats != NULL)
-            job->stats->out_of_gamut += (flags & LCOR_PIXEL_OUTSIDE) != 0;
+    }
+    for (size_t i = 0; i < count; i++) {
+        open->at[open->count] = at + list[i];
+        lcor_internal_load_lane(job, at + list[i], &open->lanes, open->count++);
+        if (open->count == LCOR_LANES)
+            settle(job, at, b, open);
     }
 }
 
 void lcor_internal_correct_blocks(const lcor_row_job *job)
 {
+    const int are_exact = job->plan->gamut == LCOR_GAMUT_KEEP_HUE || job->stats != NULL;
+    open_pixels open;
     lcor_block b;
 
+    memset(&open, 0, sizeof open);
     for (size_t at = 0; at < job->n; at += LCOR_BLOCK) {
         const size_t m = job->n - at < LCOR_BLOCK ? job->n - at : LCOR_BLOCK;
 
         compute(job, at, m, &b);
-        if (job->plan->gamut == LCOR_GAMUT_KEEP_HUE || job->stats != NULL)
-            settle_outside(job, at, m, &b);
-        lcor_internal_to_device(job->plan, b.c);
+        if (are_exact)
+            find_open(job, at, m, &b, &open);
+        for (int k = 0; k < 3; k++)
+            lcor_internal_to_device(job->plan, b.c[k]);
         lcor_internal_store_pixels(job, at, m, &b);
     }
+    if (open.count > 0)
+        settle(job, job->n, &b, &open);
     if (job->stats != NULL)
         job->stats->pixels += job->n;
 }

@@ -22,8 +22,8 @@ struct lcor_plan {
     const float *tone; /* in the same allocation, or NULL */
     size_t tone_size;
     const float *decode_table; /* linear values of 8-bit samples, where they are not a product */
-    const lcor_kernel
-        *kernel; /* NULL: the float path cannot do it, all goes through the reference */
+    const lcor_kernel *kernel;
+    int in_double; /* the float path cannot do it: all goes through the reference */
     lcor_kernel_constants k;
     int decode_by_power; /* samples are neither linear nor in decode_table */
     int float_maps;      /* maps are float and need nothing but float arithmetic */
@@ -42,15 +42,5 @@ enum {
 double lcor_internal_display(double q, double exponent, double gain);
 /* k of eq 16 from the CIE lightness, for reflectances y before and y_new after (rules S5, S6). */
 double lcor_internal_chroma_factor(double y, double y_new);
-/* The reference: one linear RGB pixel in double, corrected to linear RGB in 0..1. Returns bits. */
-unsigned lcor_internal_correct_pixel(const lcor_plan *plan, const double rgb[3], double illuminance,
-                                     double rho, double out[3]);
-/* The same for pixel i of a row. */
-unsigned lcor_internal_correct_at(const lcor_row_job *job, size_t i, double rgb[3]);
-/* f and y of linear RGB; 0 if it is bad (rule S10). */
-int lcor_internal_texel_f(const lcor_plan *plan, const double rgb[3], double f[3], double *y);
-/* lcor_internal_correct_pixel from f. */
-unsigned lcor_internal_correct_texel_f(const lcor_plan *plan, const double f[3], double illuminance,
-                                       double rho, double out[3]);
 
 #endif

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* The float path for each instruction set this compiler can aim at, and the choice at run time. */
-#include "correct/internal.h"
+#include "correct/lanes.h"
 #include "correct/sample.h"
 
 #include "base/cpu.h"
 #include "base/internal.h"
+#include "colour/internal.h"
 
+#include <float.h>
+#include <math.h>
 #include <string.h>
 
 /* A loop over a block. Known to be short, it would be unrolled to many times its size for nothing.
@@ -18,18 +21,44 @@
 #define EACH(j, n) for (size_t j = 0; j < (size_t)(n); j++)
 #endif
 
+#define INNER static TARGET LCOR_INLINE
+#define STAGE static TARGET LCOR_APART /* one copy: the code stays small */
+
+/* The table of one set; `few` is the set whose narrow_template.h and lanes_template.h it takes. */
+#define KERNEL(set, few)                                                                           \
+    static const lcor_kernel kernel_##set = {#set,                                                 \
+                                             maps_##set,                                           \
+                                             transfer_##set,                                       \
+                                             split_bytes_##few,                                    \
+                                             lightness_##set,                                      \
+                                             lightness_of_planes_##few,                            \
+                                             lightness_of_f_##few,                                 \
+                                             count_##few,                                          \
+                                             g_##set,                                              \
+                                             chroma_##set,                                         \
+                                             find_outside_##few,                                   \
+                                             clamp_planes_##few,                                   \
+                                             interleave_##set,                                     \
+                                             widen_##few,                                          \
+                                             narrow_##few,                                         \
+                                             lanes_to_f_##few,                                     \
+                                             lanes_to_rgb_##few};
+
 /* What every processor of the architecture has: SSE2 on x86-64, NEON on aarch64, or plain C. */
 #define ISA(name) name##_base
-#define ISA_NAME  "base"
 #define TARGET
 #if defined(__SSE2__) && !defined(__SSE4_1__)
 #define POOR 1
 #else
 #define POOR 0
 #endif
+#include "correct/kernel_arithmetic.h"
 #include "correct/kernel_template.h"
+#include "correct/lanes_template.h"
+#include "correct/narrow_template.h"
+KERNEL(base, base)
 #undef ISA
-#undef ISA_NAME
+#undef G_BLACK
 #undef TARGET
 #undef POOR
 
@@ -37,23 +66,27 @@
 #define POOR 0
 
 #define ISA(name) name##_avx2
-#define ISA_NAME  "avx2"
 #define TARGET    __attribute__((target("avx2")))
+#include "correct/kernel_arithmetic.h"
 #include "correct/kernel_template.h"
+#include "correct/lanes_template.h"
+#include "correct/narrow_template.h"
+KERNEL(avx2, avx2)
 #undef ISA
-#undef ISA_NAME
+#undef G_BLACK
 #undef TARGET
 
 #define ISA(name) name##_avx512
-#define ISA_NAME  "avx512"
 #if defined(__clang__)
 #define TARGET __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl")))
 #else
 #define TARGET __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,prefer-vector-width=512")))
 #endif
+#include "correct/kernel_arithmetic.h"
 #include "correct/kernel_template.h"
+KERNEL(avx512, avx2)
 #undef ISA
-#undef ISA_NAME
+#undef G_BLACK
 #undef TARGET
 
 #undef POOR

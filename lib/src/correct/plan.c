@@ -126,7 +126,7 @@ static LCOR_COLD void set_transfer(const lcor_colour *c, float unit, lcor_kernel
     k->decode.in_scale /= unit;
 }
 
-/* Constants of the float path; p->kernel stays NULL where that path would lose accuracy. */
+/* Constants of the float path; in_double stays where that path would lose accuracy. */
 static LCOR_COLD void prepare_kernel(lcor_plan *p)
 {
     lcor_kernel_constants *k = &p->k;
@@ -135,6 +135,8 @@ static LCOR_COLD void prepare_kernel(lcor_plan *p)
     const int linear = p->colour.transfer == LCOR_TRANSFER_LINEAR;
     const double unit = p->in_type == LCOR_U8 ? 255.0 : p->in_type == LCOR_U16 ? 65535.0 : 1.0;
 
+    p->kernel = lcor_internal_kernel(0);
+    p->in_double = 1;
     if (p->colour.lightness != LCOR_LIGHTNESS_CIE || p->in_type == LCOR_F64 ||
         p->out_type == LCOR_F64 || p->colour.gamma < 0.1 || p->colour.gamma > 10.0 ||
         p->rho_ratio < 1e-6 || p->rho_ratio > 1e6 || p->rho < 1e-6 ||
@@ -161,7 +163,7 @@ static LCOR_COLD void prepare_kernel(lcor_plan *p)
         k->slope_rho = (float)(slope * p->rho);
         k->slope_texel = (float)(slope * p->rho_ratio);
     }
-    p->kernel = lcor_internal_kernel(0);
+    p->in_double = 0;
 }
 
 LCOR_COLD lcor_status lcor_plan_new(const lcor_plan_options *options, lcor_plan **out,
@@ -197,7 +199,7 @@ LCOR_COLD lcor_status lcor_plan_new(const lcor_plan_options *options, lcor_plan 
     digest(&p, &o);
 
     prepare_kernel(&p);
-    if (p.kernel != NULL && p.in_type == LCOR_U8 && p.colour.transfer != LCOR_TRANSFER_LINEAR)
+    if (!p.in_double && p.in_type == LCOR_U8 && p.colour.transfer != LCOR_TRANSFER_LINEAR)
         codes = 256;
     size = sizeof p + (codes + o.tone_size) * sizeof *o.tone_curve; /* both bounded above */
     plan = lcor_internal_alloc(&p.allocator, size);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Rows: samples in and out of any type and layout around the kernels. */
-#include "correct/internal.h"
+#include "correct/lanes.h"
 #include "correct/sample.h"
 
+#include "base/internal.h"
 #include "colour/internal.h"
 
 #include <math.h>
@@ -38,7 +39,7 @@ static void store_encoded(const lcor_plan *p, void *out, size_t i, const double 
             out, p->out_type, i * p->out.pixel_step + c * p->out.channel_step, encode(p, rgb[c]));
 }
 
-static double map_at(const lcor_plan *p, const void *map, size_t i, double otherwise)
+static LCOR_APART double map_at(const lcor_plan *p, const void *map, size_t i, double otherwise)
 {
     return map != NULL ? lcor_internal_load_sample(map, p->map_type, i) : otherwise;
 }
@@ -73,31 +74,48 @@ void lcor_plan_reflectance_row(const lcor_plan *plan, size_t n, const void *texe
     }
 }
 
-unsigned lcor_internal_correct_at(const lcor_row_job *job, size_t i, double rgb[3])
+static void load_texel(const lcor_plan *p, const void *texels, size_t i, lcor_lanes *lanes,
+                       size_t lane)
+{
+    double rgb[3];
+
+    load_linear(p, texels, i, rgb);
+    for (int k = 0; k < 3; k++)
+        lanes->c[k][lane] = rgb[k];
+}
+
+void lcor_internal_load_lane(const lcor_row_job *job, size_t i, lcor_lanes *lanes, size_t lane)
 {
     const lcor_plan *p = job->plan;
-    const double light = map_at(p, job->illuminance, i, 0.0);
-    const double rho = map_at(p, job->rho, i, p->rho);
 
-    if (job->f == NULL) {
-        load_linear(p, job->texels, i, rgb);
-        return lcor_internal_correct_pixel(p, rgb, light, rho, rgb);
-    }
-    for (size_t k = 0; k < 3; k++)
-        rgb[k] = (double)job->f[k * job->plane + i];
-    return lcor_internal_correct_texel_f(p, rgb, light, rho, rgb);
+    if (job->f == NULL)
+        load_texel(p, job->texels, i, lanes, lane);
+    else
+        for (size_t k = 0; k < 3; k++)
+            lanes->c[k][lane] = (double)job->f[k * job->plane + i];
+    lanes->illuminance[lane] = map_at(p, job->illuminance, i, 0.0);
+    lanes->rho[lane] = map_at(p, job->rho, i, p->rho);
 }
 
 /* Any row through the reference. */
 static void correct_row_in_double(const lcor_row_job *job)
 {
-    for (size_t i = 0; i < job->n; i++) {
-        double rgb[3];
-        const unsigned flags = lcor_internal_correct_at(job, i, rgb);
+    lcor_lanes lanes;
 
-        store_encoded(job->plan, job->out, i, rgb);
-        if (job->stats != NULL && flags != 0)
-            count(job->stats, job->row, i, flags);
+    memset(&lanes, 0, sizeof lanes);
+    for (size_t at = 0; at < job->n; at += LCOR_LANES) {
+        const size_t m = job->n - at < LCOR_LANES ? job->n - at : LCOR_LANES;
+
+        for (size_t j = 0; j < m; j++)
+            lcor_internal_load_lane(job, at + j, &lanes, j);
+        lcor_internal_correct_lanes(job, &lanes);
+        for (size_t j = 0; j < m; j++) {
+            const double rgb[3] = {lanes.c[0][j], lanes.c[1][j], lanes.c[2][j]};
+
+            store_encoded(job->plan, job->out, at + j, rgb);
+            if (job->stats != NULL && lanes.flags[j] != 0)
+                count(job->stats, job->row, at + j, lanes.flags[j]);
+        }
     }
     if (job->stats != NULL)
         job->stats->pixels += job->n;
@@ -105,10 +123,10 @@ static void correct_row_in_double(const lcor_row_job *job)
 
 static void correct(const lcor_row_job *job)
 {
-    if (job->plan->kernel != NULL)
-        lcor_internal_correct_blocks(job);
-    else
+    if (job->plan->in_double)
         correct_row_in_double(job);
+    else
+        lcor_internal_correct_blocks(job);
 }
 
 void lcor_correct_row(const lcor_plan *plan, size_t row, size_t n, const void *texels,
@@ -128,23 +146,27 @@ void lcor_correct_texture_row(const lcor_plan *plan, size_t row, size_t n, const
     correct(&job);
 }
 
-void lcor_plan_texture_row(const lcor_plan *plan, size_t n, const void *texels, float *f,
-                           size_t plane)
+LCOR_COLD void lcor_plan_texture_row(const lcor_plan *plan, size_t n, const void *texels, float *f,
+                                     size_t plane)
 {
-    for (size_t i = 0; i < n; i++) {
-        double rgb[3], y, fxyz[3];
+    lcor_lanes lanes;
 
-        load_linear(plan, texels, i, rgb);
-        if (!lcor_internal_texel_f(plan, rgb, fxyz, &y))
-            fxyz[0] = fxyz[1] = fxyz[2] = (double)NAN;
+    memset(&lanes, 0, sizeof lanes);
+    for (size_t at = 0; at < n; at += LCOR_LANES) {
+        const size_t m = n - at < LCOR_LANES ? n - at : LCOR_LANES;
+
+        for (size_t j = 0; j < m; j++)
+            load_texel(plan, texels, at + j, &lanes, j);
+        plan->kernel->lanes_to_f(plan, &lanes);
         for (size_t k = 0; k < 3; k++)
-            f[k * plane + i] = (float)fxyz[k];
+            for (size_t j = 0; j < m; j++)
+                f[k * plane + at + j] = lanes.good[j] != 0.0 ? (float)lanes.c[k][j] : NAN;
     }
 }
 
-void lcor_conventional_row(const lcor_plan *plan, size_t row, size_t n, const void *texels,
-                           const void *illuminance, const void *rho, void *out,
-                           lcor_row_stats *stats)
+LCOR_COLD void lcor_conventional_row(const lcor_plan *plan, size_t row, size_t n,
+                                     const void *texels, const void *illuminance, const void *rho,
+                                     void *out, lcor_row_stats *stats)
 {
     for (size_t i = 0; i < n; i++) {
         const double light = map_at(plan, illuminance, i, 0.0) * map_at(plan, rho, i, plan->rho);

@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: MIT */
+/* Loops of the float path that AVX-512 takes from AVX2: wider vectors gain little there, and code
+ * is large. See kernel_template.h. */
+
+/* Pixels of three bytes into planes. */
+STAGE void ISA(split_bytes)(const uint8_t *restrict rgb, lcor_block *restrict b)
+{
+#if POOR
+    float LCOR_ALIGNED pixels[3 * LCOR_BLOCK];
+
+    EACH (j, 3 * LCOR_BLOCK)
+        pixels[j] = (float)rgb[j];
+    EACH (j, LCOR_BLOCK)
+        for (size_t i = 0; i < 3; i++)
+            b->c[i][j] = pixels[3 * j + i];
+#else
+    EACH (j, LCOR_BLOCK) {
+        b->c[0][j] = (float)rgb[3 * j];
+        b->c[1][j] = (float)rgb[3 * j + 1];
+        b->c[2][j] = (float)rgb[3 * j + 2];
+    }
+#endif
+}
+
+/* lightness of RGB that lies in the planes b->c. */
+STAGE int ISA(lightness_of_planes)(const lcor_kernel_constants *k, lcor_block *restrict b)
+{
+    const lcor_kernel_constants q = *k;
+    uint32_t worst = 0;
+
+    EACH (j, LCOR_BLOCK)
+        worst = ISA(larger)(worst, ISA(light)(&q, b->c[0][j], b->c[1][j], b->c[2][j], j, b));
+    return ISA(is_suspect)(worst);
+}
+
+STAGE void ISA(widen)(lcor_sample type, size_t blocks, const void *restrict from,
+                      float *restrict to)
+{
+    for (size_t i = 0; i < blocks; i++, to += LCOR_BLOCK) {
+        if (type == LCOR_U8) {
+            const uint8_t *s = (const uint8_t *)from + i * LCOR_BLOCK;
+
+            EACH (j, LCOR_BLOCK)
+                to[j] = (float)s[j];
+        } else {
+            const uint16_t *s = (const uint16_t *)from + i * LCOR_BLOCK;
+
+            EACH (j, LCOR_BLOCK)
+                to[j] = (float)s[j];
+        }
+    }
+}
+
+/* Where fx, fy, fz of a converted texture are there already: 1 - f; Y, Ynew. */
+STAGE int ISA(lightness_of_f)(const lcor_kernel_constants *k, const float *restrict f, size_t plane,
+                              lcor_block *restrict b)
+{
+    const float *restrict f_x = f, *restrict f_y = f + plane, *restrict f_z = f + 2 * plane;
+    const float w = k->w;
+    uint32_t worst = 0;
+
+    EACH (j, LCOR_BLOCK) {
+        const float fx = f_x[j], fy = f_y[j], fz = f_z[j], y = ISA(f_inverse)(fy);
+
+        b->g[0][j] = 1.0f - fx;
+        b->g[1][j] = 1.0f - fy;
+        b->g[2][j] = 1.0f - fz;
+        b->c[1][j] = y;
+        b->c[3][j] = ISA(clamp)(b->v[j] * y + w);
+        worst = ISA(larger)(worst, ISA(doubt_of_three)(fx, fy, fz));
+    }
+    return ISA(is_suspect)(worst);
+}
+
+/* J < J1 and J > J2 of eq 8 */
+STAGE void ISA(count)(const lcor_kernel_constants *k, const lcor_block *restrict b,
+                      lcor_row_stats *stats)
+{
+    const float w = k->w;
+    uint32_t low = 0, high = 0;
+
+    EACH (j, LCOR_BLOCK) {
+        const float t = w < 0.0f ? b->v[j] * b->c[1][j] + w : b->t[j];
+
+        low += t < 0.0f;
+        high += t > 1.0f;
+    }
+    stats->clipped_low += low;
+    stats->clipped_high += high;
+}
+
+/* Marks the pixels that left 0..1 or are so near its faces that float cannot tell. Near black and
+ * white everything is small, and they themselves are inside. */
+STAGE void ISA(find_outside)(const lcor_block *restrict b, int32_t *restrict outside)
+{
+    EACH (j, LCOR_BLOCK) {
+        const float y = b->c[3][j], low = y * 4e-6f, high = 1.0f - (1.0f - y) * 4e-6f;
+        const float r = b->c[0][j], g = b->c[1][j], bl = b->c[2][j];
+
+        outside[j] = (ISA(bits)(r - low) | ISA(bits)(g - low) | ISA(bits)(bl - low) |
+                      ISA(bits)(high - r) | ISA(bits)(high - g) | ISA(bits)(high - bl)) &
+                     INT32_MIN;
+    }
+}
+
+STAGE void ISA(clamp_planes)(float *restrict c)
+{
+    EACH (j, 3 * LCOR_BLOCK)
+        c[j] = ISA(clamp)(c[j]);
+}
+
+/* 0..1 to codes; halves go up. */
+STAGE void ISA(narrow)(lcor_sample type, size_t blocks, const float *restrict from,
+                       void *restrict to)
+{
+    for (size_t i = 0; i < blocks; i++, from += LCOR_BLOCK) {
+        if (type == LCOR_U8) {
+            uint8_t *d = (uint8_t *)to + i * LCOR_BLOCK;
+
+            EACH (j, LCOR_BLOCK)
+                d[j] = (uint8_t)(int32_t)(from[j] * 255.0f + 0.5f);
+        } else {
+            uint16_t *d = (uint16_t *)to + i * LCOR_BLOCK;
+
+            EACH (j, LCOR_BLOCK)
+                d[j] = (uint16_t)(int32_t)(from[j] * 65535.0f + 0.5f);
+        }
+    }
+}
