@@ -16,7 +16,7 @@ static const size_t faces_max = 2000;
 
 /* Parts of the tolerance: what one link may err (of a tolerance of 1 %, and less of a smaller one),
  * what the near field and the solver may. */
-static const double link_share = 1, hidden_share = 0.15, near_share = 2, solver_share = 0.03;
+static const double link_share = 1, hidden_share = 0.16, near_share = 2, solver_share = 0.03;
 
 /* Below it two nodes a patch are not enough along edges. */
 static const double fine_tolerance = 5e-4;

@@ -36,8 +36,8 @@ static int side_of(const double (*p)[3], const double point[3], const double nor
 
         vec_sub(p[i], point, d);
         h = vec_dot(d, normal);
-        lowest = fmin(lowest, h);
-        highest = fmax(highest, h);
+        lowest = h < lowest ? h : lowest;
+        highest = h > highest ? h : highest;
     }
     if (lowest < -touch)
         return highest > touch ? 0 : -1;
@@ -54,15 +54,14 @@ static void add_edge_planes(shaft *s, const region *a, const region *b, double t
         vec_sub(q, p, edge);
         for (int j = 0; j < 4; j++) {
             double d[3], normal[3];
-            int mine, other;
+            int mine;
 
             vec_sub(b->corners[j], p, d);
             vec_cross(edge, d, normal);
             if (!(vec_normalize(normal) > 0))
                 continue;
             mine = side_of((const double(*)[3])a->corners, p, normal, touch);
-            other = side_of((const double(*)[3])b->corners, p, normal, touch);
-            if (mine != 0 && mine == other)
+            if (mine != 0 && side_of((const double(*)[3])b->corners, p, normal, touch) == mine)
                 add_plane(s, p, normal, -mine);
         }
     }

@@ -45,7 +45,6 @@ static int over_solid(const lcor_scene *scene, const scene_solid *solid, const v
     const scene_plane *planes = (const scene_plane *)scene->planes.items + solid->first_plane;
     const scene_edge *edges = (const scene_edge *)scene->edges.items + solid->first_edge;
     unsigned char faces[SCENE_SOLID_SIDES];
-    double middle[3] = {0, 0, 0};
 
     for (size_t i = 0; i < solid->plane_count; i++) {
         double d[3];
@@ -58,14 +57,12 @@ static int over_solid(const lcor_scene *scene, const scene_solid *solid, const v
     }
     if (*on)
         return 0;
-    for (size_t i = 0; i < solid->edge_count; i++)
-        vec_add_scaled(middle, 1 / (double)solid->edge_count, edges[i].p, middle);
     cone->n = 0;
     for (size_t i = 0; i < solid->edge_count; i++) {
         int good = 1;
 
         if (faces[edges[i].side[0]] != faces[edges[i].side[1]])
-            good = visible_cone_add(cone, view, edges[i].p, edges[i].q, middle);
+            good = visible_cone_add(cone, view, edges[i].p, edges[i].q, solid->middle);
         if (good <= 0)
             return good;
     }

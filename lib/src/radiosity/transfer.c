@@ -234,34 +234,76 @@ static void whole(const transfer *t, const cell *c, const cell_view *v, lanes po
     }
 }
 
-/* Adds `sign` times the integral over a triangle inside the cell, but for the height over pi. */
+/* Values of the polynomials along one axis at x, those at one place together. */
+static void node_values(const float x[RULE_Q], float values[RULE_Q][RULE_P])
+{
+    static const float outer = 7.42054007F, inner = 18.7954494F; /* 1 / products of distances */
+
+    for (int k = 0; k < RULE_Q; k++) {
+        const float d0 = x[k] - node_t[0], d1 = x[k] - node_t[1];
+        const float d2 = x[k] - node_t[2], d3 = x[k] - node_t[3];
+
+        values[k][0] = -outer * d1 * d2 * d3;
+        values[k][1] = inner * d0 * d2 * d3;
+        values[k][2] = -inner * d0 * d1 * d3;
+        values[k][3] = outer * d0 * d1 * d2;
+    }
+}
+
+/* Adds `sign` times the integral over a triangle p + s (a + t b) inside the cell, but for the
+ * height over pi. */
 static void add_triangle(const transfer *t, const cell *c, double sign, const double p[3],
                          const double q[3], const double r[3], float weights[][RULE_Q])
 {
     const face *f = t->f;
-    double a[3], b[3], cross[3], area2;
+    double a[3], b[3], d[3], o[3], cross[3], first[3], second[3], area2;
+    float x[RULE_Q], y[RULE_Q], value[RULE_Q], at_s[RULE_Q][RULE_P], at_t[RULE_Q][RULE_P];
 
     vec_sub(q, p, a);
     vec_sub(r, q, b);
+    vec_sub(p, t->x, d);
+    vec_sub(p, f->origin, o);
     vec_cross(a, b, cross);
     area2 = sign * vec_length(cross);
-    for (int i = 0; i < RULE_P; i++)
-        for (int j = 0; j < RULE_P; j++) {
-            double y[3], d[3], s, z, at_s[RULE_P], at_t[RULE_P], r2, cosine, value;
+    first[0] = vec_dot(o, f->dual_u);
+    first[1] = vec_dot(a, f->dual_u);
+    first[2] = vec_dot(b, f->dual_u);
+    second[0] = vec_dot(o, f->dual_v);
+    second[1] = vec_dot(a, f->dual_v);
+    second[2] = vec_dot(b, f->dual_v);
+    for (int k = 0; k < RULE_Q; k++) {
+        const double s = (double)node_s[k], z = s * (double)node_t[k];
+        const double dx = d[0] + s * a[0] + z * b[0], dy = d[1] + s * a[1] + z * b[1],
+                     dz = d[2] + s * a[2] + z * b[2], r2 = dx * dx + dy * dy + dz * dz;
+        const double cosine = dx * t->normal[0] + dy * t->normal[1] + dz * t->normal[2];
+        const double u = first[0] + s * first[1] + z * first[2];
+        const double v = second[0] + s * second[1] + z * second[2], sum = u + v;
+        const double along = f->triangle ? sum : u;
+        const double across = f->triangle ? v / (sum > 0 ? sum : 1) : v;
 
-            vec_plane_point(p, a, b, rule_x[i], rule_x[i] * rule_x[j], y);
-            vec_sub(y, t->x, d);
-            r2 = vec_dot(d, d);
-            cosine = vec_dot(d, t->normal);
-            if (!(cosine > 0))
-                continue;
-            value = area2 * rule_x[i] * rule_w[i] * rule_w[j] * cosine / (r2 * r2);
-            face_coordinates(f, y, &s, &z);
-            rule_values((s - c->s0) / c->hs, at_s);
-            rule_values((z - c->t0) / c->ht, at_t);
-            for (int k = 0; k < RULE_Q; k++)
-                weights[0][k] += (float)(value * at_s[k / RULE_P] * at_t[k % RULE_P]);
+        x[k] = (float)((along - c->s0) / c->hs);
+        y[k] = (float)((across - c->t0) / c->ht);
+        value[k] = (float)(area2 * s * (double)(node_ws[k] * node_wt[k]) *
+                           (cosine > 0 ? cosine : 0) / (r2 * r2));
+    }
+    node_values(x, at_s);
+    node_values(y, at_t);
+    for (int i = 0; i < RULE_P; i++) { /* four sums at a time become one vector */
+        float *out = weights[0] + i * RULE_P, s0 = 0, s1 = 0, s2 = 0, s3 = 0;
+
+        for (int k = 0; k < RULE_Q; k++) {
+            const float part = value[k] * at_s[k][i];
+
+            s0 += part * at_t[k][0];
+            s1 += part * at_t[k][1];
+            s2 += part * at_t[k][2];
+            s3 += part * at_t[k][3];
         }
+        out[0] += s0;
+        out[1] += s1;
+        out[2] += s2;
+        out[3] += s3;
+    }
 }
 
 static double set_factor(const transfer *t, const visible_set *set)

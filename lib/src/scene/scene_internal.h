@@ -28,6 +28,7 @@ typedef struct scene_solid {
     size_t first_member, member_count; /* in lcor_scene.members: surfaces */
     size_t first_plane, plane_count;   /* in lcor_scene.planes, the missing side's included */
     size_t first_edge, edge_count;     /* in lcor_scene.edges */
+    double middle[3];                  /* a point inside */
 } scene_solid;
 
 typedef struct scene_edge { /* of a solid, between two of its planes, counted from its first */

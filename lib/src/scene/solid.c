@@ -227,6 +227,18 @@ static int gather(search *s, uint32_t *members, uint32_t seed, unsigned char *in
     return s->count > 3 && s->count < SCENE_SOLID_SIDES;
 }
 
+/* The mean of the edges' ends. */
+static void set_middle(const lcor_scene *scene, scene_solid *solid)
+{
+    const scene_edge *edges = (const scene_edge *)scene->edges.items + solid->first_edge;
+    const double share = 0.5 / (double)solid->edge_count;
+
+    for (size_t i = 0; i < solid->edge_count; i++) {
+        vec_add_scaled(solid->middle, share, edges[i].p, solid->middle);
+        vec_add_scaled(solid->middle, share, edges[i].q, solid->middle);
+    }
+}
+
 /* One flag a surface: seen before, and in the group at hand. */
 static int find(search *s, unsigned char *seen, unsigned char *in_group, uint32_t *group)
 {
@@ -255,9 +267,14 @@ static int find(search *s, unsigned char *seen, unsigned char *in_group, uint32_
         if (!solid || !members)
             return 0;
         memcpy(members, group, s->count * sizeof *members);
-        *solid = (scene_solid){scene->members.count, s->count,
-                               first_plane,          scene->planes.count - first_plane,
-                               first_edge,           scene->edges.count - first_edge};
+        *solid = (scene_solid){scene->members.count,
+                               s->count,
+                               first_plane,
+                               scene->planes.count - first_plane,
+                               first_edge,
+                               scene->edges.count - first_edge,
+                               {0, 0, 0}};
+        set_middle(scene, solid);
         scene->members.count += s->count;
         scene->solids.count++;
     }
