@@ -144,9 +144,13 @@ void lcor_mean_add(lcor_mean *mean, size_t n, const double *r, const double *wei
         if (l > mean->largest)
             mean->largest = l;
         bin = bin_of(mean, l);
-        if (bin != NULL) {
+        if (bin == NULL)
+            continue;
+        add128(bin->weight, weight[0], weight[1]);
+        if (weights == NULL) { /* what moment_of gives for a weight of 1 */
+            add128(bin->moment, l << 8, l >> 56);
+        } else {
             moment_of(weight, l, moment);
-            add128(bin->weight, weight[0], weight[1]);
             add128(bin->moment, moment[0], moment[1]);
         }
     }

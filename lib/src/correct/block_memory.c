@@ -24,7 +24,7 @@ static LCOR_APART void load_plane(const lcor_plan *p, const void *from, size_t s
                                   float *to)
 {
     if (p->decode_table != NULL) {
-        LOAD(uint8_t, p->decode_table[s])
+        LOAD(uint8_t, (float)p->decode_table[s])
     } else if (p->in_type == LCOR_F32) {
         LOAD(float, s)
     } else if (step == 1 && m == LCOR_BLOCK) {

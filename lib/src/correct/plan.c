@@ -173,7 +173,7 @@ LCOR_COLD lcor_status lcor_plan_new(const lcor_plan_options *options, lcor_plan 
     lcor_plan p, *plan;
     lcor_status status;
     size_t size, codes = 0;
-    float *tables;
+    double *linear;
 
     if (options == NULL || out == NULL)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "options or out is NULL");
@@ -199,20 +199,19 @@ LCOR_COLD lcor_status lcor_plan_new(const lcor_plan_options *options, lcor_plan 
     digest(&p, &o);
 
     prepare_kernel(&p);
-    if (!p.in_double && p.in_type == LCOR_U8 && p.colour.transfer != LCOR_TRANSFER_LINEAR)
+    if (p.in_type == LCOR_U8 && p.colour.transfer != LCOR_TRANSFER_LINEAR)
         codes = 256;
-    size = sizeof p + (codes + o.tone_size) * sizeof *o.tone_curve; /* both bounded above */
+    size = sizeof p + codes * sizeof *linear + o.tone_size * sizeof *o.tone_curve; /* bounded */
     plan = lcor_internal_alloc(&p.allocator, size);
     if (plan == NULL)
         return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory for a plan of %zu bytes",
                                   size);
-    tables = (float *)(void *)(plan + 1);
+    linear = (double *)(void *)(plan + 1);
     for (size_t i = 0; i < codes; i++)
-        tables[i] = (float)lcor_transfer_to_linear(&p.colour, (double)i / 255.0);
-    p.decode_table = codes != 0 ? tables : NULL;
+        linear[i] = lcor_transfer_to_linear(&p.colour, (double)i / 255.0);
+    p.decode_table = codes != 0 ? linear : NULL;
     if (o.tone_size != 0) {
-        memcpy(tables + codes, o.tone_curve, o.tone_size * sizeof *tables);
-        p.tone = tables + codes;
+        p.tone = memcpy(linear + codes, o.tone_curve, o.tone_size * sizeof *o.tone_curve);
         p.tone_size = o.tone_size;
     }
     *plan = p;

@@ -25,8 +25,13 @@ static double encode(const lcor_plan *p, double linear)
 static void load_linear(const lcor_plan *p, const void *texels, size_t i, double rgb[3])
 {
     for (size_t c = 0; c < 3; c++) {
-        rgb[c] = lcor_internal_load_sample(texels, p->in_type,
-                                           i * p->in.pixel_step + c * p->in.channel_step);
+        const size_t at = i * p->in.pixel_step + c * p->in.channel_step;
+
+        if (p->decode_table != NULL) {
+            rgb[c] = p->decode_table[((const uint8_t *)texels)[at]];
+            continue;
+        }
+        rgb[c] = lcor_internal_load_sample(texels, p->in_type, at);
         if (p->colour.transfer != LCOR_TRANSFER_LINEAR)
             rgb[c] = lcor_transfer_to_linear(&p->colour, rgb[c]);
     }
