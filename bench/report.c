@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "report.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <time.h>
 
@@ -54,7 +55,10 @@ void report_row(const double *values, int n)
     if (json) {
         fprintf(json, "%s[", row_count++ ? ", " : "");
         for (int i = 0; i < n; i++)
-            fprintf(json, "%s%.4g", i ? ", " : "", values[i]);
+            if (isfinite(values[i]))
+                fprintf(json, "%s%.4g", i ? ", " : "", values[i]);
+            else
+                fprintf(json, "%snull", i ? ", " : "");
         fprintf(json, "]");
     }
 }

@@ -43,6 +43,8 @@ def machine() -> str:
 
 
 def text(value: object) -> str:
+    if value is None:
+        return "–"
     if isinstance(value, float):
         return f"{value:.3g}"
     return f"{value}".replace("*", "\\*").replace("|", "\\|")
@@ -60,27 +62,40 @@ def lines(table: dict) -> list[str]:
 
 
 #: A table that has one column of each is drawn too: what it costs, and how wrong it is.
-COSTS = ("ns/pixel", "seconds", "ms", "with patches, s")
-ERRORS = ("rms error", "largest dE", "true rms", "rms")
+COSTS = ("ns/pixel", "seconds", "ms", "with patches, s", "solve, s")
+ERRORS = ("rms error", "largest dE", "true rms", "rms", "rms at points")
+
+
+def weighed(columns: list[str]) -> list[tuple[str, str, str]]:
+    """Who is weighed in a table, by which column of cost and of error. Programs side by side have
+    columns of their own, "NAME, s" and "NAME rms"; otherwise each row says who it is."""
+    names = [column[:-3] for column in columns if column.endswith(", s")]
+    found = [(name, f"{name}, s", f"{name} rms") for name in names if f"{name} rms" in columns]
+    if found:
+        return found
+    cost = next((name for name in COSTS if name in columns), None)
+    error = next((name for name in ERRORS if name in columns), None)
+    return [("", cost, error)] if cost and error else []
 
 
 def front(table: dict) -> list[str]:
     """The figure of a table that weighs speed against accuracy, if it is one; its markdown."""
     from lcor import plots
 
-    cost = next((name for name in COSTS if name in table["columns"]), None)
-    error = next((name for name in ERRORS if name in table["columns"]), None)
-    if cost is None or error is None:
-        return []
-    x, y = table["columns"].index(cost), table["columns"].index(error)
     points: dict[str, list[tuple[float, float]]] = {}
-    for row in table["rows"]:
-        if all(isinstance(row[i], (int, float)) and row[i] > 0 for i in (x, y)):
-            name = row[0].split(",")[0] if isinstance(row[0], str) else "lcor"
-            points.setdefault(name, []).append((row[x], row[y]))
+    cost = error = ""
+    for program, cost, error in weighed(table["columns"]):
+        x, y = table["columns"].index(cost), table["columns"].index(error)
+        for row in table["rows"]:
+            if all(isinstance(row[i], (int, float)) and row[i] > 0 for i in (x, y)):
+                name = row[0].split(",")[0] if isinstance(row[0], str) else "lcor"
+                name = f"{program}, {name}" if program else name
+                points.setdefault(name, []).append((row[x], row[y]))
+        if program:
+            cost, error = "seconds", "rms error"
     if sum(map(len, points.values())) < 3:
         return []
-    name = "-".join(re.findall(r"[a-z0-9]+", table["title"].lower())[:6])
+    name = "-".join(re.findall(r"[a-z0-9]+", table["title"].lower())[:8])
     target = HERE / "images" / f"front-{name}.png"
     target.parent.mkdir(exist_ok=True)
     plots.fronts(points, cost, error, table["title"]).savefig(target, dpi=90)

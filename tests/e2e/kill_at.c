@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Preloaded into lccal: kills it without warning just before or after its KILL_AT-th step of saving
- * a file, as a power cut would. */
+/* Preloaded into a tool: sends it the signal KILL_SIGNAL just before or after its KILL_AT-th step of
+ * saving a file. SIGKILL is what a power cut would be. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <signal.h>
@@ -13,8 +13,9 @@ static int steps;
 static void step(void)
 {
     const char *at = getenv("KILL_AT");
-    if (at && ++steps == atoi(at))
-        kill(getpid(), SIGKILL);
+    const char *number = getenv("KILL_SIGNAL");
+    if (at && number && ++steps == atoi(at))
+        raise(atoi(number));
 }
 
 #define WRAP(type, name, declared, passed)                                                         \

@@ -30,25 +30,12 @@ def measure(script, profile, **options):
     return lccal("--port", f"script:{script}", "--yes", "--readings", 1, "-o", profile, **options)
 
 
-@pytest.fixture(scope="module")
-def kill_at(tmp_path_factory):
-    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-    if not compiler:
-        pytest.skip("no C compiler to build the preloaded library")
-    library = tmp_path_factory.mktemp("kill") / "kill_at.so"
-    source = Path(__file__).with_name("kill_at.c")
-    subprocess.run([compiler, "-shared", "-fPIC", "-o", library, source, "-ldl"], check=True)
-    return library
-
-
 def test_killed_at_each_step_of_saving(tmp_path, script, kill_at):
     survived = set()
     for step in range(1, 100):
         profile = tmp_path / f"{step}.cgats"
         profile.write_bytes(EARLIER)
-        env = environment() | {"LD_PRELOAD": str(kill_at), "KILL_AT": str(step),
-                               "ASAN_OPTIONS": "verify_asan_link_order=0:detect_leaks=0"}
-        run = measure(script, profile, env=env)
+        run = measure(script, profile, env=kill_at(step))
         if profile.read_bytes() == EARLIER:
             survived.add("old")
         else:

@@ -6,7 +6,6 @@ import os
 import re
 import signal
 import subprocess
-import time
 
 import pytest
 from gltf_scene import Scene, png
@@ -199,28 +198,16 @@ def test_full_disk_leaves_the_old_file(tmp_path, picture, light):
 
 
 @pytest.mark.parametrize("number, code", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_an_interrupted_run_leaves_nothing(tmp_path, light, number, code):
-    large = tmp_path / "large.png"
-    large.write_bytes(png(6000, 6000, bytes(range(240)) * 450000))
+def test_an_interrupted_run_leaves_nothing(tmp_path, picture, light, kill_at, number, code):
     out = tmp_path / "out.tif"
     out.write_bytes(b"old")
-    run = subprocess.Popen(
-        [LCOR, "correct", large, "--illuminance", light, "--contrast", "9", "-o", out],
-        stderr=subprocess.PIPE,
-        preexec_fn=lambda: os.nice(5),  # whoever watches it comes first
-    )
-    # The temporary file shows that the signals are handled and the work has begun.
-    for _ in range(24000):
-        if (
-            any(name.startswith(".lcor-") for name in os.listdir(tmp_path))
-            or run.poll() is not None
-        ):
-            break
-        time.sleep(0.005)
-    run.send_signal(number)
-    assert run.wait(timeout=240) == code
-    assert out.read_bytes() == b"old"
-    assert sorted(os.listdir(tmp_path)) == ["large.png", "light.pfm", "out.tif"]
+    command = ["correct", picture, "--illuminance", light, "--contrast", "9", "-o", out]
+    # Before and after the mode is set and the file is synced, and before it takes its name.
+    for step in range(1, 6):
+        assert lcor(*command, env=kill_at(step, number)).returncode == code
+        assert out.read_bytes() == b"old"
+        assert sorted(os.listdir(tmp_path)) == ["in.png", "light.pfm", "out.tif"]
+    good(*command, env=kill_at(100, number))
 
 
 def test_numbers_do_not_follow_the_locale(tmp_path):

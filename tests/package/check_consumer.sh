@@ -10,6 +10,12 @@ trap 'rm -rf "$work"' EXIT
 src=$root/tests/package/consumer
 cp "$src/main.c" "$work/main.cpp"
 
+# The library is built with options under which ccache has most of it from other builds.
+export CMAKE_BUILD_TYPE=Release
+command -v ninja >/dev/null && export CMAKE_GENERATOR=Ninja
+command -v ccache >/dev/null && export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
+werror=$(sed -n 's/^LCOR_WERROR:BOOL=/-DLCOR_WERROR=/p' "$build/CMakeCache.txt")
+
 by_cmake() { # NAME, then cmake arguments
     name=$1
     shift
@@ -36,8 +42,8 @@ mv "$work/first" "$work/moved"
 by_cmake find_shared -DCMAKE_PREFIX_PATH="$work/moved"
 by_pkg_config "$work/moved"
 
-# Static, with the library in a folder of its own outside the prefix.
-"$cmake" -S "$root" -B "$work/static" -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=OFF \
+# Static, as the Python package has it too, with the library in a folder of its own outside the prefix.
+"$cmake" -S "$root" -B "$work/static" -DBUILD_SHARED_LIBS=OFF \
     -DLCOR_BUILD_CALIB=OFF -DLCOR_BUILD_CLI=OFF -DLCOR_BUILD_TESTING=OFF \
     -DCMAKE_INSTALL_PREFIX="$work/prefix" -DCMAKE_INSTALL_LIBDIR="$work/elsewhere/lib" >/dev/null
 "$cmake" --build "$work/static" >/dev/null
@@ -47,14 +53,15 @@ by_cmake find_static -Dlcor_DIR="$work/elsewhere/lib/cmake/lcor"
 by_pkg_config "$work/elsewhere" --static
 
 by_cmake subdirectory_static -DLCOR_SUBDIRECTORY="$root"
-by_cmake subdirectory_shared -DLCOR_SUBDIRECTORY="$root" -DBUILD_SHARED_LIBS=ON
+by_cmake subdirectory_shared -DLCOR_SUBDIRECTORY="$root" "$werror" -DBUILD_SHARED_LIBS=ON
 
-# Vendored: no build system; C and C++ clients share what the sources gave.
+# Vendored: bare sources, one command, no build system, nothing but libm; clients of both languages.
 flags="-DLCOR_STATIC -I$root/lib/include"
 # shellcheck disable=SC2086
-cc -std=c99 -O1 -ffp-contract=off $flags -I"$root/lib/src" -r -nostdlib "$root"/lib/src/*/*.c -o "$work/lcor.o"
+cc -std=c99 -ffp-contract=off $flags -I"$root/lib/src" -shared -fPIC -Wl,-z,defs "$root"/lib/src/*/*.c \
+    -o "$work/vendored.so" -lm
 # shellcheck disable=SC2086
-cc -std=c99 $flags "$src/main.c" "$work/lcor.o" -o "$work/vendored_c" -lm
+cc -std=c99 $flags "$src/main.c" "$work/vendored.so" -o "$work/vendored_c" -lm
 # shellcheck disable=SC2086
-c++ -std=c++11 $flags "$work/main.cpp" "$work/lcor.o" -o "$work/vendored_cpp" -lm
+c++ -std=c++11 $flags "$work/main.cpp" "$work/vendored.so" -o "$work/vendored_cpp" -lm
 "$work/vendored_c" && "$work/vendored_cpp"

@@ -37,7 +37,6 @@ hosted() {
     $runner "$out/$name.exe" | tr -d '\r' >"$out/$name.txt"
 }
 
-
 port_aarch64() {
     have aarch64-linux-gnu-gcc qemu-aarch64 || return 77
     hosted aarch64 "qemu-aarch64 -L /usr/aarch64-linux-gnu" aarch64-linux-gnu-gcc
@@ -53,11 +52,11 @@ port_musl() {
     hosted musl "" musl-gcc -static
 }
 
-# The DLL must export what liblcor exports elsewhere; the core runs where wine is.
+# The DLL must export what liblcor exports elsewhere, optimised or not; the core runs where wine is.
 port_mingw() {
     have x86_64-w64-mingw32-gcc x86_64-w64-mingw32-objdump || return 77
     # shellcheck disable=SC2046,SC2086
-    x86_64-w64-mingw32-gcc -std=c99 -O2 -ffp-contract=off -DLCOR_BUILDING -I"$root/lib/include" -I"$root/lib/src" \
+    x86_64-w64-mingw32-gcc -std=c99 -DLCOR_BUILDING -I"$root/lib/include" -I"$root/lib/src" \
         -shared -static-libgcc "$root"/lib/src/*/*.c -o "$out/lcor.dll"
     x86_64-w64-mingw32-objdump -p "$out/lcor.dll" | sed -n '/Ordinal\/Name Pointer\] Table/,$p' |
         awk '/^\t\[/ { print $NF }' | LC_ALL=C sort >"$out/mingw-exports.txt"
