@@ -60,7 +60,8 @@ typedef struct lcor_radiosity_options {
 /** What was done and how close it came. */
 typedef struct lcor_radiosity_report {
     double error_rms, error_max; /**< estimated; max as sampled */
-    double energy_defect;        /**< |power in - absorbed - escaped| / power in */
+    double energy_defect;        /**< |power in - absorbed - escaped| / power in; 0 with gather,
+                                    whose rays carry irradiance and keep no balance of power */
     int converged;               /**< the requested norm's estimate is within tolerance */
     int iterations;              /**< of the linear solve, last round */
     int channels;

@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ROUNDS_MAX = 5, SLICE = 128, SAMPLE = 64, PATCHES = 32, MEAN_PLACES = 256 };
+enum { ROUNDS_MAX = 8, SLICE = 128, SAMPLE = 64, PATCHES = 32, MEAN_PLACES = 256 };
 
 /* Leaves wanted, and rays of one on average, at a tolerance of 1 %. */
 static const double leaves_wanted = 100, rays_wanted = 100;
@@ -187,7 +187,7 @@ static int set_mean(gather *g)
 static void set_effort(gather *g, double tolerance)
 {
     g->effort.share = g->solution->options.norm == LCOR_NORM_RMS;
-    g->effort.leaf_size = tolerance >= 0.008 ? 2 : 1.5;
+    g->effort.leaf_size = tolerance >= 0.008 && g->effort.share ? 2 : 1.5;
     g->effort.rays = fmin(fmax(rays_wanted * 0.01 / tolerance, 16), 1024);
     g->effort.near = 0.5;
     g->effort.leaves = (size_t)(leaves_wanted * 0.01 / tolerance);
@@ -213,12 +213,19 @@ static void describe(lcor_solution *s)
                    (unsigned long)fields, g->guide.count, g->channels, g->channels == 1 ? "" : "s");
 }
 
-/* Noise that leaves room for what is estimated on top of it and for the field's own error. */
-static double noise_wanted(double field, double tolerance)
+/* The root mean square of the error that leaves the promised one, of the worst place or by the
+ * sample's upper end, within the tolerance. */
+static double rms_wanted(const lcor_solution *s, const gather_errors *e)
 {
-    const double all = aim / gather_upper_end(SAMPLE) * tolerance;
+    const double rms = sqrt(e->noise * e->noise + e->field * e->field);
 
-    return sqrt(fmax(all * all - field * field, 0.25 * all * all));
+    return aim * s->options.tolerance * fmin(rms / fmax(wanted_error(s, e), 1e-9), 1);
+}
+
+/* Noise that leaves room for the field's own error. */
+static double noise_wanted(double field, double rms)
+{
+    return sqrt(fmax(rms * rms - field * field, 0.25 * rms * rms));
 }
 
 /* Changes `stop` so that *noise becomes `wanted`, or comes as near as one step may go. Effort that
@@ -232,25 +239,26 @@ static void steer(const gather *g, double wanted, double *stop, double *noise)
 }
 
 /* More of what the error came from. */
-static void strive(gather *g, const gather_errors *e, double tolerance)
+static void strive(gather *g, const gather_errors *e)
 {
+    const double rms = rms_wanted(g->solution, e);
     double field = e->field, noise = e->noise;
 
-    if (e->field > 0.5 * tolerance) {
+    if (field > 0.6 * rms) {
         g->effort.rays *= 2;
         g->effort.near *= 1.5;
         g->effort.leaf_size *= 0.75;
         field *= 0.5;
     }
-    if (noise > noise_wanted(field, tolerance))
-        steer(g, noise_wanted(field, tolerance), &g->effort.stop, &noise);
+    if (noise > noise_wanted(field, rms))
+        steer(g, noise_wanted(field, rms), &g->effort.stop, &noise);
 }
 
 /* Answers that are more accurate than asked for cost too much; and averages over patches, whose
  * rays differ by place too, take more than answers at points. */
-static int settle(gather *g, gather_errors *e, double tolerance)
+static int settle(gather *g, gather_errors *e)
 {
-    const double wanted = noise_wanted(e->field, tolerance);
+    const double wanted = noise_wanted(e->field, rms_wanted(g->solution, e));
     double noise;
 
     if (e->noise < wanted)
@@ -289,7 +297,7 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
         s->report.converged = wanted_error(s, &errors) <= s->options.tolerance;
         g->effort.patch_stop = g->effort.stop;
         if (s->report.converged && s->options.norm == LCOR_NORM_RMS) {
-            if (!settle(g, &errors, s->options.tolerance))
+            if (!settle(g, &errors))
                 goto stopped;
             s->report.converged = errors.rms <= s->options.tolerance;
         }
@@ -302,7 +310,7 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
             s->report.bytes = gather_bytes(g);
         if (s->report.converged || g->hurry)
             break;
-        strive(g, &errors, s->options.tolerance);
+        strive(g, &errors);
     }
     describe(s);
     return LCOR_OK;

@@ -113,7 +113,8 @@ static int plan_records(gather *g)
     rays = rays_allowed(g, leaves + 1);
     for (size_t i = 0; i < g->leaves.count; i++) {
         gather_leaf *l = gather_leaf_at(g, i);
-        const double share = area > 0 ? sqrt(l->area) * (double)leaves / area : 1;
+        const double share =
+            area > 0 && g->effort.share ? sqrt(l->area) * (double)leaves / area : 1;
 
         if (l->terms == 0)
             continue;
