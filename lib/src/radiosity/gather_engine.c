@@ -12,13 +12,13 @@
 enum { ROUNDS_MAX = 8, SLICE = 128, SAMPLE = 64, PATCHES = 32, MEAN_PLACES = 256 };
 
 /* Leaves wanted, and rays of one on average, at a tolerance of 1 %. */
-static const double leaves_wanted = 100, rays_wanted = 100;
+static const double leaves_wanted = 100, rays_wanted = 500;
 /* Rays a second, before any have been traced. */
 static const double rate_guess = 3e5;
 /* Samples that an answer may take, and those it may always take. */
 static const double samples_most = 1 << 18, samples_least = 128;
 /* An answer's part of the tolerance at first, and what is aimed at in the end. */
-static const double stop_share = 0.85, aim = 0.9;
+static const double stop_share = 0.85, aim = 0.85;
 /* Answers are not pursued further than this, and when a limit is met, than that. */
 static const double stop_least = 5e-4, stop_hurried = 0.01;
 /* Rays of one sample, about: to a target, on to the next surface, and from there. */
@@ -188,7 +188,7 @@ static void set_effort(gather *g, double tolerance)
 {
     g->effort.share = g->solution->options.norm == LCOR_NORM_RMS;
     g->effort.leaf_size = tolerance >= 0.008 && g->effort.share ? 2 : 1.5;
-    g->effort.rays = fmin(fmax(rays_wanted * 0.01 / tolerance, 16), 1024);
+    g->effort.rays = fmin(fmax(rays_wanted * 0.01 / tolerance, 16), 2048);
     g->effort.near = 0.5;
     g->effort.leaves = (size_t)(leaves_wanted * 0.01 / tolerance);
     g->effort.stop = fmax(stop_share * tolerance, stop_least);

@@ -9,7 +9,7 @@
 
 /* Paths that carry less than this are ended by chance; the longest read any field at last. */
 static const double roulette_below = 0.25;
-enum { DEPTH_MAX = 16 };
+enum { DEPTH_MAX = 64 };
 
 static const double pi = 3.14159265358979323846;
 
