@@ -123,6 +123,21 @@ static void mean_scales_with_its_values_and_ignores_the_unit_of_weights(void **s
     }
 }
 
+static void no_weights_are_weights_of_one(void **state)
+{
+    lcor_mean without, with;
+
+    (void)state;
+    fill(13, 6.0, 0.1);
+    for (int i = 0; i < N; i++)
+        w[i] = 1.0;
+    lcor_mean_init(&without);
+    lcor_mean_init(&with);
+    lcor_mean_add(&without, N, r, NULL);
+    lcor_mean_add(&with, N, r, w);
+    assert_memory_equal(&without, &with, sizeof with);
+}
+
 /* 10^8 values: 5000 copies of 20,000, which merging must treat as adding does. */
 static void a_hundred_million_values_lose_nothing(void **state)
 {
@@ -150,6 +165,7 @@ int main(void)
         cmocka_unit_test(bits_depend_neither_on_order_nor_on_split),
         cmocka_unit_test(adaptive_mean_solves_its_equation),
         cmocka_unit_test(mean_scales_with_its_values_and_ignores_the_unit_of_weights),
+        cmocka_unit_test(no_weights_are_weights_of_one),
         cmocka_unit_test(a_hundred_million_values_lose_nothing)};
 
     return cmocka_run_group_tests(tests, NULL, NULL);

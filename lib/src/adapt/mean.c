@@ -118,11 +118,20 @@ static lcor_mean_sum *bin_of(lcor_mean *mean, uint64_t l)
     return mean->pass == 0 ? &mean->below : NULL;
 }
 
+/* A weight in its unit of 2^-72. */
+static LCOR_INLINE void weight_of(double w, uint64_t weight[2])
+{
+    weight[1] = (uint64_t)(w * 256.0);
+    weight[0] = (uint64_t)((w * 256.0 - (double)weight[1]) * 0x1p64);
+}
+
 void lcor_mean_add(lcor_mean *mean, size_t n, const double *r, const double *weights)
 {
+    uint64_t weight[2] = {0, 256}; /* of 1 */
+
     for (size_t i = 0; i < n; i++) {
         const double w = weights != NULL ? weights[i] : 1.0;
-        uint64_t weight[2], moment[2], l;
+        uint64_t moment[2], l;
         int e;
         lcor_mean_sum *bin;
 
@@ -130,8 +139,8 @@ void lcor_mean_add(lcor_mean *mean, size_t n, const double *r, const double *wei
             mean->rejected += mean->pass == 0;
             continue;
         }
-        weight[1] = (uint64_t)(w * 256.0);
-        weight[0] = (uint64_t)((w * 256.0 - (double)weight[1]) * 0x1p64);
+        if (weights != NULL)
+            weight_of(w, weight);
         if ((weight[0] | weight[1]) == 0)
             continue;
         if (r[i] == 0.0) {
@@ -139,7 +148,8 @@ void lcor_mean_add(lcor_mean *mean, size_t n, const double *r, const double *wei
                 add128(mean->zeros, weight[0], weight[1]);
             continue;
         }
-        l = (uint64_t)(lcor_internal_log2_parts(r[i], &e) * 0x1p52 + 0x1p52); /* 0.5 .. 1.5 */
+        l = (uint64_t)(int64_t)(lcor_internal_log2_parts(r[i], &e) * 0x1p52 +
+                                0x1p52); /* 0.5..1.5 */
         l += (uint64_t)(BIAS - 1 + e) << ONE_BITS;
         if (l > mean->largest)
             mean->largest = l;
@@ -148,11 +158,12 @@ void lcor_mean_add(lcor_mean *mean, size_t n, const double *r, const double *wei
             continue;
         add128(bin->weight, weight[0], weight[1]);
         if (weights == NULL) { /* what moment_of gives for a weight of 1 */
-            add128(bin->moment, l << 8, l >> 56);
+            moment[0] = l << 8;
+            moment[1] = l >> 56;
         } else {
             moment_of(weight, l, moment);
-            add128(bin->moment, moment[0], moment[1]);
         }
+        add128(bin->moment, moment[0], moment[1]);
     }
 }
 

@@ -24,7 +24,7 @@ double lcor_internal_log2_parts(double x, int *exponent)
 {
     int e = 0;
     uint64_t u;
-    double m, s, z, p;
+    double m, s, z, z2, z4, p;
 
     if (x < DBL_MIN) {
         x *= 18014398509481984.0; /* 2^54 */
@@ -40,9 +40,12 @@ double lcor_internal_log2_parts(double x, int *exponent)
     *exponent = e;
     s = (m - 1.0) / (m + 1.0); /* log2 m = 2/ln 2 artanh s, |s| < 0.172 */
     z = s * s;
-    p = 1.0 / 23;
-    for (int k = 21; k >= 3; k -= 2)
-        p = p * z + 1.0 / k;
+    /* 1/3 + z/5 + ... + z^10/23 in pairs, which do not wait for each other */
+    z2 = z * z;
+    z4 = z2 * z2;
+    p = (1.0 / 19 + z * (1.0 / 21)) + z2 * (1.0 / 23);
+    p = ((1.0 / 11 + z * (1.0 / 13)) + z2 * (1.0 / 15 + z * (1.0 / 17))) + z4 * p;
+    p = ((1.0 / 3 + z * (1.0 / 5)) + z2 * (1.0 / 7 + z * (1.0 / 9))) + z4 * p;
     return 2.8853900817779268 * (s + s * (z * p));
 }
 

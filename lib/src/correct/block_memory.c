@@ -23,9 +23,7 @@ int lcor_internal_is_interleaved(lcor_layout l) { return l.pixel_step == 3 && l.
 static LCOR_APART void load_plane(const lcor_plan *p, const void *from, size_t step, size_t m,
                                   float *to)
 {
-    if (p->decode_table != NULL) {
-        LOAD(uint8_t, (float)p->decode_table[s])
-    } else if (p->in_type == LCOR_F32) {
+    if (p->in_type == LCOR_F32) {
         LOAD(float, s)
     } else if (step == 1 && m == LCOR_BLOCK) {
         p->kernel->widen(p->in_type, 1, from, to);
@@ -38,17 +36,32 @@ static LCOR_APART void load_plane(const lcor_plan *p, const void *from, size_t s
         to[j] = 0.0f;
 }
 
+/* All three channels of a pixel at once: looking up one after the other is mostly counting. */
+static void decode_bytes(const lcor_plan *p, const char *from, size_t m, lcor_block *b)
+{
+    const double *table = p->decode_table;
+
+    memset(b->c, 0, 3 * sizeof b->c[0]);
+    for (size_t j = 0; j < m; j++, from += p->in.pixel_step)
+        for (size_t k = 0; k < 3; k++)
+            b->c[k][j] = (float)table[((const uint8_t *)from)[k * p->in.channel_step]];
+}
+
 void lcor_internal_load_texels(const lcor_row_job *job, size_t at, size_t m, lcor_block *b)
 {
     const lcor_layout l = job->plan->in;
     const size_t size = lcor_internal_sample_size(job->plan->in_type);
     const char *from = (const char *)job->texels + at * l.pixel_step * size;
 
+    if (job->plan->decode_table != NULL) {
+        decode_bytes(job->plan, from, m, b);
+        return;
+    }
     for (size_t k = 0; k < 3; k++, from += l.channel_step * size)
         load_plane(job->plan, from, l.pixel_step, m, b->c[k]);
 }
 
-void lcor_internal_load_f(const lcor_row_job *job, size_t at, size_t m, float f[][LCOR_BLOCK])
+LCOR_COLD void lcor_internal_load_f(const lcor_row_job *job, size_t at, size_t m, float f[][LCOR_BLOCK])
 {
     memset(f, 0, 3 * sizeof *f);
     for (size_t k = 0; k < 3; k++)
