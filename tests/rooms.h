@@ -104,18 +104,33 @@ static inline void commit(lcor_scene *scene)
     must(lcor_scene_commit(scene, NULL, &err), &err);
 }
 
-static inline lcor_solution *solve(const lcor_scene *scene, double tolerance, lcor_norm norm)
+static inline lcor_radiosity_options options_for(lcor_engine engine, double tolerance)
 {
     lcor_radiosity_options options;
-    lcor_solution *solution = NULL;
-    lcor_error err;
 
     memset(&options, 0, sizeof options);
     options.struct_size = sizeof options;
     options.tolerance = tolerance;
-    options.norm = norm;
-    must(lcor_radiosity_solve(scene, &options, &solution, &err), &err);
+    options.engine = engine;
+    return options;
+}
+
+static inline lcor_solution *solve_with(const lcor_scene *scene,
+                                        const lcor_radiosity_options *options)
+{
+    lcor_solution *solution = NULL;
+    lcor_error err;
+
+    must(lcor_radiosity_solve(scene, options, &solution, &err), &err);
     return solution;
+}
+
+static inline lcor_solution *solve(const lcor_scene *scene, double tolerance, lcor_norm norm)
+{
+    lcor_radiosity_options options = options_for(LCOR_ENGINE_AUTO, tolerance);
+
+    options.norm = norm;
+    return solve_with(scene, &options);
 }
 
 /* All patches of the room's faces in the references' order. */

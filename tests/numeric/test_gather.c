@@ -5,29 +5,9 @@
 
 enum { N = 6, VALUES = ROOM_FACES * N * N };
 
-static lcor_radiosity_options gather_options(double tolerance)
-{
-    lcor_radiosity_options options;
-
-    memset(&options, 0, sizeof options);
-    options.struct_size = sizeof options;
-    options.tolerance = tolerance;
-    options.engine = LCOR_ENGINE_GATHER;
-    return options;
-}
-
-static lcor_solution *solve_with(const lcor_scene *scene, const lcor_radiosity_options *options)
-{
-    lcor_solution *solution = NULL;
-    lcor_error err;
-
-    must(lcor_radiosity_solve(scene, options, &solution, &err), &err);
-    return solution;
-}
-
 static lcor_solution *gather(const lcor_scene *scene, double tolerance)
 {
-    const lcor_radiosity_options options = gather_options(tolerance);
+    const lcor_radiosity_options options = options_for(LCOR_ENGINE_GATHER, tolerance);
 
     return solve_with(scene, &options);
 }
@@ -344,7 +324,7 @@ static int stop_at_third(void *user, double done)
 
 static void it_can_be_cancelled(void **state)
 {
-    lcor_radiosity_options options = gather_options(0.02);
+    lcor_radiosity_options options = options_for(LCOR_ENGINE_GATHER, 0.02);
     lcor_scene *scene = box_room();
     lcor_solution *solution = NULL;
     lcor_error err;
@@ -367,7 +347,7 @@ static void a_limit_returns_the_best_solution_unconverged(void **state)
     (void)state;
     commit(scene);
     for (int k = 0; k < 2; k++) {
-        lcor_radiosity_options options = gather_options(1e-4);
+        lcor_radiosity_options options = options_for(LCOR_ENGINE_GATHER, 1e-4);
         double values[VALUES], mean = 0;
         lcor_solution *solution;
 

@@ -26,26 +26,6 @@ static void run_backwards(void *user, size_t n, void (*task)(void *arg, size_t i
         task(arg, n);
 }
 
-static lcor_radiosity_options options_for(lcor_engine engine, double tolerance)
-{
-    lcor_radiosity_options options;
-
-    memset(&options, 0, sizeof options);
-    options.struct_size = sizeof options;
-    options.tolerance = tolerance;
-    options.engine = engine;
-    return options;
-}
-
-static lcor_solution *solve_with(const lcor_scene *scene, const lcor_radiosity_options *options)
-{
-    lcor_solution *solution = NULL;
-    lcor_error err;
-
-    must(lcor_radiosity_solve(scene, options, &solution, &err), &err);
-    return solution;
-}
-
 static const lcor_engine engines[] = {LCOR_ENGINE_LINKS, LCOR_ENGINE_GATHER};
 enum { ENGINES = sizeof engines / sizeof *engines };
 

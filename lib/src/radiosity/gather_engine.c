@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ROUNDS_MAX = 8, SLICE = 128, SAMPLE = 64, PATCHES = 32, MEAN_PLACES = 256 };
+enum { ROUNDS_MAX = 8, SLICE = 128, SAMPLE = 64, PATCHES = 32 };
 
 /* Leaves wanted, and rays of one on average, at a tolerance of 1 %. */
 static const double leaves_wanted = 100, rays_wanted = 500;
@@ -145,45 +145,6 @@ static void release(lcor_solution *s)
     s->state = NULL;
 }
 
-typedef struct mean_job {
-    const gather *g;
-    double *values;
-} mean_job;
-
-/* Mean irradiance over the fronts of all surfaces, near enough to tell what is dark. */
-static void mean_task(void *arg, size_t i)
-{
-    const mean_job *job = arg;
-    const gather *g = job->g;
-    double random[2], total[GATHER_CHANNELS];
-    gather_query q;
-
-    memset(&q, 0, sizeof q);
-    sobol_point(&g->sobol, (uint32_t)i, 7, 0, 2, random);
-    (void)gather_place(g, random[0], random[1], &q.stand);
-    light_at(&g->solution->lights, q.stand.x, q.stand.normal, q.stand.surface, total);
-    q.stop = 1;
-    q.samples = samples_least;
-    q.seed = (uint32_t)i;
-    (void)gather_answer(g, &q, total, NULL);
-    job->values[i] = 0;
-    for (int c = 0; c < g->channels; c++)
-        job->values[i] += total[c] / g->channels;
-}
-
-static int set_mean(gather *g)
-{
-    double values[MEAN_PLACES], sum = 0;
-    mean_job job = {g, values};
-
-    if (!gather_each(g, MEAN_PLACES, mean_task, &job))
-        return 0;
-    for (int i = 0; i < MEAN_PLACES; i++)
-        sum += values[i] / MEAN_PLACES;
-    g->mean = sum;
-    return 1;
-}
-
 static void set_effort(gather *g, double tolerance)
 {
     g->effort.share = g->solution->options.norm == LCOR_NORM_RMS;
@@ -292,7 +253,7 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
                  samples_most);
         if (g->hurry)
             g->effort.stop = fmax(g->effort.stop, stop_hurried);
-        if (!set_mean(g) || !gather_estimate(g, SAMPLE, &errors))
+        if (!gather_set_mean(g, samples_least) || !gather_estimate(g, SAMPLE, &errors))
             goto stopped;
         s->report.converged = wanted_error(s, &errors) <= s->options.tolerance;
         g->effort.patch_stop = g->effort.stop;

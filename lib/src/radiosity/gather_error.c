@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { ITERATIONS_MAX = 4 };
+enum { ITERATIONS_MAX = 4, MEAN_PLACES = 256 };
 
 static const double dark_share = 0.02;
 
@@ -59,15 +59,47 @@ static double mean_of(const gather *g, const double *values)
 }
 
 /* A place drawn by area, and what is direct there. */
-static void ask_point(const gather *g, uint32_t i, gather_query *q, double *direct)
+static void ask_point(const gather *g, uint32_t i, uint32_t seed, gather_query *q, double *direct)
 {
     double random[2];
     gather_stand stand;
 
-    sobol_point(&g->sobol, i, 99, 0, 2, random);
+    sobol_point(&g->sobol, i, seed, 0, 2, random);
     (void)gather_place(g, random[0], random[1], &stand);
     gather_query_point(g, stand.x, stand.normal, stand.surface, q);
     light_at(&g->solution->lights, stand.x, stand.normal, stand.surface, direct);
+}
+
+typedef struct mean_job {
+    const gather *g;
+    double samples, values[MEAN_PLACES];
+} mean_job;
+
+static void mean_task(void *arg, size_t i)
+{
+    mean_job *job = arg;
+    double total[GATHER_CHANNELS];
+    gather_query q;
+
+    ask_point(job->g, (uint32_t)i, 7, &q, total);
+    q.stop = 1;
+    q.samples = job->samples;
+    q.seed = (uint32_t)i;
+    (void)gather_answer(job->g, &q, total, NULL);
+    job->values[i] = mean_of(job->g, total);
+}
+
+int gather_set_mean(gather *g, double samples)
+{
+    mean_job job = {g, samples, {0}};
+    double sum = 0;
+
+    if (!gather_each(g, MEAN_PLACES, mean_task, &job))
+        return 0;
+    for (int i = 0; i < MEAN_PLACES; i++)
+        sum += job.values[i] / MEAN_PLACES;
+    g->mean = sum;
+    return 1;
 }
 
 /* A patch of a surface drawn by area, and about what is direct there. */
@@ -101,7 +133,7 @@ static void verify_task(void *arg, size_t i)
 
     memset(v, 0, sizeof *v);
     if (job->groups)
-        ask_point(g, (uint32_t)i, &q, first);
+        ask_point(g, (uint32_t)i, 99, &q, first);
     else
         ask_patch(g, (uint32_t)i, &q, first);
     memcpy(second, first, sizeof second);
