@@ -8,6 +8,8 @@
  * One thread, processor time, best of several. The reference files are looked for in
  * tests/data/reference below the current folder. */
 #include "dense.h"
+#include "report.h"
+#include "richardson.h"
 
 #include <lcor/radiosity.h>
 
@@ -15,7 +17,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { FACES = 6, REPEAT = 5 };
 
@@ -32,14 +33,6 @@ static const double quads[11][9] = {{0, 0, 0, 1, 0, 0, 0, 1, 0},
                                     {0.75, 0.2, 0, 0, 0.3, 0, 0, 0, 0.4},
                                     {0.45, 0.2, 0, 0.3, 0, 0, 0, 0, 0.4},
                                     {0.45, 0.5, 0, 0, 0, 0.4, 0.3, 0, 0}};
-
-static double now(void)
-{
-    struct timespec t;
-
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static void must(lcor_status status, const lcor_error *err)
 {
@@ -117,7 +110,7 @@ static run measure(const lcor_scene *scene, size_t n, double tolerance, lcor_nor
         lcor_radiosity_options options;
         lcor_solution *solution = NULL;
         lcor_error err;
-        double start = now();
+        double start = bench_seconds();
 
         memset(&options, 0, sizeof options);
         options.struct_size = sizeof options;
@@ -125,7 +118,7 @@ static run measure(const lcor_scene *scene, size_t n, double tolerance, lcor_nor
         options.norm = norm;
         must(lcor_radiosity_solve(scene, &options, &solution, &err), &err);
         patches(solution, n, face, out);
-        start = now() - start;
+        start = bench_seconds() - start;
         r.seconds = start < r.seconds ? start : r.seconds;
         r.report = *lcor_solution_report(solution);
         lcor_solution_free(solution);
@@ -179,31 +172,31 @@ static const char *const paper_format = "%*[^,],%15[^,],%zu,%zu,%lf";
 static const char *const box_file = "tests/data/reference/box_room_50x50.csv";
 static const char *const box_format = "%15[^,],%zu,%zu,%lf";
 
-static FILE *json;
-static int table_count, row_count;
-
-static void table(const char *title, const char *note, const char *columns)
+/* Against what richardson.c extrapolates, which is a check of the file as well. */
+static void against_extrapolation(const lcor_scene *scene, double *values)
 {
-    printf("\n%s\n", title);
-    if (json)
-        fprintf(json,
-                "%s\n{\"title\": \"%s\", \"note\": \"%s\", \"command\": \"bench_radiosity\", "
-                "\"columns\": [%s], \"rows\": [",
-                table_count++ ? "]}," : "", title, note, columns);
-    row_count = 0;
-}
+    const run r = measure(scene, 50, 1e-4, LCOR_NORM_RMS, values);
+    const errors file = compare(paper_file, paper_format, 50, values);
+    double *truth = malloc(FACES * 2500 * sizeof *truth);
+    double out[6] = {0, 0, r.report.error_rms, file.rms, 0, 0};
 
-static void row(int n, const double *values)
-{
-    for (int i = 0; i < n; i++)
-        printf("%12.4g", values[i]);
-    printf("\n");
-    if (json) {
-        fprintf(json, "%s[", row_count++ ? ", " : "");
-        for (int i = 0; i < n; i++)
-            fprintf(json, "%s%.4g", i ? ", " : "", values[i]);
-        fprintf(json, "]");
+    if (!truth || !richardson_paper_room(truth, &out[4], &out[5]))
+        exit(1);
+    for (int i = 0; i < FACES * 2500; i++) {
+        const double d = values[i] / truth[i] - 1;
+
+        out[0] += d * d / (FACES * 2500);
+        out[1] = fmax(out[1], fabs(d));
     }
+    out[0] = sqrt(out[0]);
+    report_table(
+        "Paper's room at a tolerance of 1e-4, against a solver of its own",
+        "Constant patches with exact factors on 25, 50 and 100 patches an edge, extrapolated with "
+        "the order seen; the last column is what the last step of that added.",
+        "\"true rms\", \"true max\", \"estimated rms\", \"rms against the file\", "
+        "\"order\", \"extrapolated by\"");
+    report_row(out, 6);
+    free(truth);
 }
 
 static void against_dense(double *values)
@@ -211,12 +204,12 @@ static void against_dense(double *values)
     static const double tolerances[] = {1e-2, 1e-3, 1e-4, 1e-2};
     const size_t n = 50;
     lcor_scene *scene = room(n, 0, 0);
-    double start = now(), dense;
+    double start = bench_seconds(), dense;
     size_t bytes = dense_paper_room(n, values);
 
-    dense = now() - start;
+    dense = bench_seconds() - start;
     printf("dense solver: %.0f ms, %.0f MB\n", 1e3 * dense, 1e-6 * (double)bytes);
-    table(
+    report_table(
         "Paper's room, 15,000 patches: what a request costs",
         "Engine links with all patch averages, one thread; times are shares of the dense solver's "
         "in the same run (float matrix, 900 MB). The last row asks for the worst patch.",
@@ -235,8 +228,9 @@ static void against_dense(double *values)
                                1e-6 * (double)r.report.bytes,
                                (double)r.report.links};
 
-        row(8, out);
+        report_row(out, 8);
     }
+    against_extrapolation(scene, values);
     lcor_scene_free(scene);
 }
 
@@ -244,7 +238,7 @@ static void growth(void)
 {
     double first = 0;
 
-    table(
+    report_table(
         "Growth with the number of patches at a tolerance of 1e-3",
         "Solve and all patch averages; the exponent is log(time ratio) / log(patch ratio) from the "
         "first row.",
@@ -259,7 +253,7 @@ static void growth(void)
             first = r.seconds;
         else
             out[3] = log(r.seconds / first) / log(count / 15000);
-        row(4, out);
+        report_row(out, 4);
         lcor_scene_free(scene);
     }
 }
@@ -269,7 +263,7 @@ static void box(double *values)
     static const double tolerances[] = {1e-2, 3e-3};
     lcor_scene *empty = room(50, 0, 0), *full = room(50, 1, 0);
 
-    table(
+    report_table(
         "The room with a box on the floor, against path tracing",
         "Errors at the 540 patches of the reference, a third of them next to the box or at shadow "
         "edges; the reference itself has a noise of 1.3e-3. Time over that of the empty room.",
@@ -282,7 +276,7 @@ static void box(double *values)
             tolerances[k],         e.rms, e.max, 1e3 * b.seconds, b.seconds / a.seconds,
             (double)b.report.links};
 
-        row(6, out);
+        report_row(out, 6);
     }
     lcor_scene_free(empty);
     lcor_scene_free(full);
@@ -292,8 +286,8 @@ static void furnace(double *values)
 {
     static const double rhos[] = {0.5, 0.9, 0.99, 0.999};
 
-    table("White furnace: worst error of B = 1 / (1 - rho)", "Closed room, emission 1.",
-          "\"rho\", \"error\", \"iterations\", \"ms\"");
+    report_table("White furnace: worst error of B = 1 / (1 - rho)", "Closed room, emission 1.",
+                 "\"rho\", \"error\", \"iterations\", \"ms\"");
     for (int k = 0; k < 4; k++) {
         lcor_scene *scene = room(10, 0, rhos[k]);
         const run r = measure(scene, 10, 1e-2, LCOR_NORM_RMS, values);
@@ -301,7 +295,7 @@ static void furnace(double *values)
 
         for (int i = 0; i < FACES * 100; i++)
             out[1] = fmax(out[1], fabs((1 + rhos[k] * values[i]) * (1 - rhos[k]) - 1));
-        row(4, out);
+        report_row(out, 4);
         lcor_scene_free(scene);
     }
 }
@@ -317,20 +311,20 @@ static void update(void)
     memset(&options, 0, sizeof options);
     options.struct_size = sizeof options;
     options.tolerance = 1e-3;
-    out[0] = now();
+    out[0] = bench_seconds();
     must(lcor_radiosity_solve(scene, &options, &solution, &err), &err);
-    out[0] = 1e3 * (now() - out[0]);
+    out[0] = 1e3 * (bench_seconds() - out[0]);
     for (int k = 1; k < 3; k++) { /* moved a little, then moved back */
         const lcor_light light = lamp(k == 1 ? 0.31 : 0.3);
 
         must(lcor_scene_set_light(scene, 0, &light, &err), &err);
-        out[k] = now();
+        out[k] = bench_seconds();
         must(lcor_solution_update(solution, &err), &err);
-        out[k] = 1e3 * (now() - out[k]);
+        out[k] = 1e3 * (bench_seconds() - out[k]);
     }
-    table("Light moved: links are kept", "Tolerance 1e-3, milliseconds without patches.",
-          "\"solve\", \"update after a move\", \"update after moving back\"");
-    row(3, out);
+    report_table("Light moved: links are kept", "Tolerance 1e-3, milliseconds without patches.",
+                 "\"solve\", \"update after a move\", \"update after moving back\"");
+    report_row(out, 3);
     lcor_solution_free(solution);
     lcor_scene_free(scene);
 }
@@ -339,26 +333,13 @@ int main(int argc, char **argv)
 {
     double *values = malloc(FACES * 2500 * sizeof *values);
 
-    if (!values)
+    if (!values || !report_open("bench_radiosity", argc > 1 ? argv[1] : NULL))
         return 1;
-    if (argc > 1) {
-        json = fopen(argv[1], "w");
-        if (!json) {
-            perror(argv[1]);
-            return 1;
-        }
-        fprintf(json, "{\"tables\": [");
-    }
     against_dense(values);
     growth();
     box(values);
     furnace(values);
     update();
-    if (json) {
-        fprintf(json, "]}\n]}\n");
-        if (fclose(json) != 0)
-            return 1;
-    }
     free(values);
-    return 0;
+    return report_close() ? 0 : 1;
 }

@@ -462,6 +462,46 @@ static void wrong_options_are_refused(void **state)
     lcor_scene_free(scene);
 }
 
+static void the_report_says_what_was_switched_off_and_why(void **state)
+{
+    const lcor_radiosity_options asked = options_for(LCOR_ENGINE_LINKS, 0.05);
+    const lcor_radiosity_options chosen = options_for(LCOR_ENGINE_AUTO, 0.05);
+    lcor_scene *scene = paper_room(N);
+    lcor_solution *solution;
+    const lcor_radiosity_report *report;
+
+    (void)state;
+    commit(scene);
+    solution = solve_with(scene, &chosen);
+    report = lcor_solution_report(solution);
+    assert_int_equal(report->engine_reason, LCOR_REASON_FEW);
+    assert_int_equal(report->visibility_reason, LCOR_REASON_CONVEX);
+    assert_int_equal(report->channels_reason, LCOR_REASON_GREY);
+    assert_int_equal(report->pairs_open, ROOM_FACES * (ROOM_FACES - 1));
+    assert_int_equal(report->pairs_apart + report->pairs_tested, 0);
+    lcor_solution_free(solution);
+    lcor_scene_free(scene);
+
+    scene = box_room();
+    commit(scene);
+    solution = solve_with(scene, &asked);
+    report = lcor_solution_report(solution);
+    assert_int_equal(report->engine_reason, LCOR_REASON_ASKED);
+    assert_int_equal(report->visibility_reason, LCOR_REASON_CLUTTER);
+    /* the sides of the box look away from each other, its top sees the ceiling, its sides the floor
+     * past nothing, and it stands between the walls */
+    assert_true(report->pairs_apart >= 5 * 4);
+    assert_true(report->pairs_open >= 2);
+    assert_true(report->pairs_tested >= 2 * 2);
+    lcor_solution_free(solution);
+    lcor_scene_free(scene);
+    for (int a = LCOR_REASON_ASKED; a <= LCOR_REASON_COLOURED; a++)
+        for (int b = LCOR_REASON_ASKED; b < a; b++)
+            assert_string_not_equal(lcor_reason_text((lcor_reason)a),
+                                    lcor_reason_text((lcor_reason)b));
+    assert_non_null(lcor_reason_text((lcor_reason)-1));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -477,6 +517,7 @@ int main(void)
         cmocka_unit_test(a_limit_returns_the_best_solution_unconverged),
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(wrong_options_are_refused),
+        cmocka_unit_test(the_report_says_what_was_switched_off_and_why),
     };
 
     return cmocka_run_group_tests_name("radiosity", tests, NULL, NULL);

@@ -57,6 +57,17 @@ typedef struct lcor_radiosity_options {
     lcor_allocator allocator;
 } lcor_radiosity_options;
 
+/** Why the solver chose as it did; lcor_reason_text says it in words. */
+typedef enum lcor_reason {
+    LCOR_REASON_ASKED = 0, /**< an option says so */
+    LCOR_REASON_FEW,       /**< engine links: few enough surfaces to compare pair by pair */
+    LCOR_REASON_MANY,      /**< engine gather: too many for that */
+    LCOR_REASON_CONVEX,    /**< no visibility tests: no surface has another one on either side */
+    LCOR_REASON_CLUTTER,   /**< visibility tests: surfaces stand before others */
+    LCOR_REASON_GREY,      /**< one channel: all lights and emission are grey */
+    LCOR_REASON_COLOURED   /**< three channels: a light or emission has a colour */
+} lcor_reason;
+
 /** What was done and how close it came. */
 typedef struct lcor_radiosity_report {
     double error_rms, error_max; /**< estimated; max as sampled */
@@ -69,7 +80,14 @@ typedef struct lcor_radiosity_report {
     uint64_t links, elements, rays, bytes; /**< bytes: the largest held at once */
     double seconds;
     char models[256]; /**< what the scene required and what was switched off, and why */
+    lcor_reason engine_reason, visibility_reason, channels_reason;
+    /** Of engine links, pairs of faces, each as receiver of the other: those that cannot see each
+     *  other, see each other fully, and are tested. Zeros of engine gather. */
+    uint64_t pairs_apart, pairs_open, pairs_tested;
 } lcor_radiosity_report;
+
+/** The reason in English, a few words without a full stop; never NULL. */
+LCOR_API const char *lcor_reason_text(lcor_reason reason);
 
 /** Solve a committed scene.
  *

@@ -73,6 +73,7 @@ struct links {
     lcor_array mean;                          /* links_mean[channels] an element */
     lcor_array deviation;                     /* float[RULE_Q * channels]: (B - mean) / deviation */
     lcor_array work;                          /* double, of the solve */
+    size_t pairs_apart, pairs_open, pairs_tested; /* of faces */
     size_t leaf_count, basis_bytes;           /* the second: of the last linear solve */
     void (*poll)(links *l);                   /* called now and then: may set hurry or cancelled */
     void *poll_arg;

@@ -141,6 +141,9 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
         s->report.iterations = l->iterations;
         s->report.links = l->list.count;
         s->report.elements = l->elements.count;
+        s->report.pairs_apart = l->pairs_apart;
+        s->report.pairs_open = l->pairs_open;
+        s->report.pairs_tested = l->pairs_tested;
         if (bytes_held(l) > s->report.bytes)
             s->report.bytes = bytes_held(l);
         s->report.converged = wanted_error(s, &errors) <= tolerance;

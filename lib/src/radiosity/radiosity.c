@@ -88,12 +88,40 @@ static const engine *choose_engine(const lcor_scene *scene, const lcor_radiosity
     return scene->surfaces.count <= links_most ? &engine_links : &engine_gather;
 }
 
+const char *lcor_reason_text(lcor_reason reason)
+{
+    switch (reason) {
+    case LCOR_REASON_ASKED: return "asked for";
+    case LCOR_REASON_FEW: return "few surfaces";
+    case LCOR_REASON_MANY: return "many surfaces";
+    case LCOR_REASON_CONVEX: return "convex scene, nothing hides anything";
+    case LCOR_REASON_CLUTTER: return "surfaces may hide others";
+    case LCOR_REASON_GREY: return "all light is grey";
+    case LCOR_REASON_COLOURED: return "some light has a colour";
+    }
+    return "unknown";
+}
+
+static void give_reasons(lcor_solution *s)
+{
+    lcor_radiosity_report *r = &s->report;
+
+    r->engine_reason = s->options.engine != LCOR_ENGINE_AUTO ? LCOR_REASON_ASKED
+                       : r->engine == LCOR_ENGINE_LINKS      ? LCOR_REASON_FEW
+                                                             : LCOR_REASON_MANY;
+    r->visibility_reason = s->scene->convex ? LCOR_REASON_CONVEX : LCOR_REASON_CLUTTER;
+    r->channels_reason = s->options.channels != 0 ? LCOR_REASON_ASKED
+                         : r->channels == 1       ? LCOR_REASON_GREY
+                                                  : LCOR_REASON_COLOURED;
+}
+
 /* Channels and what depends on them, then the engine's own structures. */
 static lcor_status prepare(lcor_solution *s, lcor_error *err)
 {
     s->report.channels = channels_needed(s->scene, s->options.channels);
     s->report.engine = s->engine->id;
     s->lights.channels = s->report.channels;
+    give_reasons(s);
     return s->engine->prepare(s, err);
 }
 

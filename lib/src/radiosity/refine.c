@@ -281,6 +281,7 @@ static int refine_roots(links *l)
     const links_link none = {0, 0, 0, 0, links_no_block, 0, {0, 0, -1}};
     links_link start[2];
 
+    l->pairs_apart = l->pairs_open = l->pairs_tested = 0;
     for (int single = 0; single < 2; single++) {
         start[single] = none;
         if (!l->scene->convex && !list_all(l, single, &start[single]))
@@ -295,7 +296,12 @@ static int refine_roots(links *l)
 
             p.receiver = (uint32_t)to->root;
             p.sender = (uint32_t)from->root;
-            passes = r != s ? classify(l, &p) : 0;
+            if (r == s)
+                continue;
+            passes = classify(l, &p);
+            *(passes == 0             ? &l->pairs_apart
+              : p.occluder_count == 0 ? &l->pairs_open
+                                      : &l->pairs_tested) += 1;
             if (passes < 0 || (passes > 0 && !refine(l, p)))
                 return 0;
         }
