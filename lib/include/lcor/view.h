@@ -98,16 +98,20 @@ LCOR_API void lcor_view_places(const lcor_view *view, size_t y, const lcor_span 
 /** Unit normal of a surface towards the camera; returns 1 if that is its facing side, else 0. */
 LCOR_API int lcor_view_normal(const lcor_view *view, size_t surface, double normal[3]);
 
-/** Irradiance over what a view shows: direct light exactly for each point, indirect light
- *  interpolated on grids of the visible part of each surface. */
+/** Irradiance over what a view shows: direct light exactly for each point; indirect light
+ *  interpolated on grids of the visible part of each surface, or where the solution's answers have
+ *  noise (engine gather) by local regression over estimates at pixels, for which nothing that
+ *  stands on a surface is looked through. */
 typedef struct lcor_field lcor_field;
 
 /** Zero it, set struct_size and what differs. */
 typedef struct lcor_field_options {
     size_t struct_size;
     double tolerance;     /**< interpolation error wanted, relative to the irradiance or to 2 % of
-                               the picture's mean, whichever is more; 0 = 0.001 */
-    uint64_t max_samples; /**< splitting is kept to the worst places beyond; 0 = 32768 */
+                               the picture's mean, whichever is more; 0 = 0.001. With noise, never
+                               less than the solution's own tolerance */
+    uint64_t max_samples; /**< 0 = 32768. Beyond it splitting is kept to the worst places; with
+                               noise, pixels far from all estimates take a quick one of their own */
     lcor_parallel parallel;
     lcor_progress progress;
     lcor_allocator allocator;
@@ -128,7 +132,8 @@ LCOR_API void lcor_field_free(lcor_field *field);
 /** What lcor_field_new did. */
 typedef struct lcor_field_report {
     double error;     /**< largest relative difference between samples and their prediction from
-                           the next coarser grid: the error left is smaller */
+                           the next coarser grid: the error left is smaller. With noise, the largest
+                           standard deviation left at a pixel */
     uint64_t samples; /**< indirect irradiances taken from the solution */
     int channels;     /**< of the solution: 1 or 3 */
 } lcor_field_report;

@@ -25,6 +25,11 @@ typedef struct engine {
     /* At a point on a surface, or free of any (LCOR_BVH_NONE). */
     void (*point)(const lcor_solution *s, const double x[3], const double normal[3],
                   uint32_t surface, double *total);
+    /* The same by so many samples, 128 or more, whatever the tolerance, so that the mean of many is
+     * without bias; each seed errs otherwise. Returns the variance, mean of the channels. NULL
+     * where answers have no noise. */
+    double (*estimate)(const lcor_solution *s, const double x[3], const double normal[3],
+                       uint32_t surface, uint32_t samples, uint32_t seed, double *total);
 } engine;
 
 struct lcor_solution {

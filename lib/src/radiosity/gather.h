@@ -228,6 +228,7 @@ typedef struct gather_query {
     double samples; /* at most */
     uint32_t seed;
     double *const *groups; /* NULL, or GATHER_GROUPS more fields, */
+    double *variance;      /* NULL, or gets that of the answer, mean of the channels */
 } gather_query;
 
 /* At a point on a surface or free (LCOR_BVH_NONE). */

@@ -308,5 +308,21 @@ static void point(const lcor_solution *s, const double x[3], const double normal
     (void)gather_answer(s->state, &q, total, NULL);
 }
 
+static double estimate(const lcor_solution *s, const double x[3], const double normal[3],
+                       uint32_t surface, uint32_t samples, uint32_t seed, double *total)
+{
+    double variance = 0;
+    gather_query q;
+
+    gather_query_point(s->state, x, normal, surface, &q);
+    q.stop = 0;
+    q.share_effort = 0;
+    q.samples = samples;
+    q.seed = random_hash(q.seed + seed);
+    q.variance = &variance;
+    (void)gather_answer(s->state, &q, total, NULL);
+    return variance;
+}
+
 const engine engine_gather = {
-    LCOR_ENGINE_GATHER, 4, 4, prepare, release, solve, relight, patches, point};
+    LCOR_ENGINE_GATHER, 4, 4, prepare, release, solve, relight, patches, point, estimate};

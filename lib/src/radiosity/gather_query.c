@@ -176,6 +176,8 @@ uint64_t gather_answer(const gather *g, const gather_query *q, double *total, do
     }
     for (int c = 0; c < g->channels; c++)
         total[c] += fmax(means[steps - 1][c], 0);
+    if (q->variance)
+        *q->variance = error_squared(g, means, steps) / (g->channels * g->channels);
     for (int k = 0; k < GATHER_GROUPS && group; k++)
         group[k] = s.group[k] / (double)count;
     return s.rays;

@@ -187,5 +187,5 @@ static void point(const lcor_solution *s, const double x[3], const double normal
         total[c] += indirect[c];
 }
 
-const engine engine_links = {LCOR_ENGINE_LINKS, 64,      512,  prepare, release, solve,
-                             relight,           patches, point};
+const engine engine_links = {LCOR_ENGINE_LINKS, 64,      512,   prepare, release, solve,
+                             relight,           patches, point, NULL};

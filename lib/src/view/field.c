@@ -3,11 +3,15 @@
 
 #include "base/internal.h"
 #include "geometry/vec.h"
-#include "radiosity/direct.h"
+#include "radiosity/engine.h"
 #include "scene/scene_internal.h"
 #include "view/internal.h"
 
 #include <math.h>
+#include <string.h>
+
+/* Samples of the solution's estimate where there is no other. */
+enum { SAMPLES_UNTOLD = 256 };
 
 void field_to_uv(const field_part *part, const double st[2], double uv[2])
 {
@@ -115,13 +119,44 @@ const field_part *field_part_of(const lcor_field *field, size_t surface, const d
     return best;
 }
 
-static void indirect_at(const lcor_field *field, size_t surface, const double uv[2],
-                        double *indirect)
+/* What the solution says at the place itself, less what is direct. */
+static void ask_solution(const lcor_field *field, size_t surface, const double x[3],
+                         const double normal[3], const double *direct, double *indirect)
+{
+    const lcor_solution *s = field->solution;
+    const size_t channels = (size_t)field->report.channels;
+
+    memcpy(indirect, direct, channels * sizeof *indirect);
+    if (s->engine->estimate)
+        (void)s->engine->estimate(s, x, normal, (uint32_t)surface, SAMPLES_UNTOLD, 0, indirect);
+    else
+        s->engine->point(s, x, normal, (uint32_t)surface, indirect);
+    for (size_t c = 0; c < channels; c++)
+        indirect[c] -= direct[c];
+}
+
+/* Returns 0 where the cell does not tell: at the foot of what stands on a surface, say, where light
+ * jumps. */
+static int cells_at(const lcor_field *field, size_t surface, const double uv[2], double *indirect)
 {
     double st[2];
     const field_part *part = field_part_of(field, surface, uv, st);
+    const field_cell *cell = find_cell(field, part, st);
 
-    field_interpolate(field, find_cell(field, part, st), st, indirect);
+    if (!cell->torn)
+        field_interpolate(field, cell, st, indirect);
+    return !cell->torn;
+}
+
+/* Returns 0 where no record tells, as may be beyond the limit on samples. */
+static int cache_at(const lcor_field *field, const double x[3], const double normal[3],
+                    double *indirect)
+{
+    cache_fit fit;
+
+    cache_fit_at(&field->cache, x, normal, 1, &fit);
+    memcpy(indirect, fit.value, sizeof fit.value);
+    return fit.count > 0;
 }
 
 lcor_status lcor_field_at(const lcor_field *field, size_t surface, size_t n, const double *uv,
@@ -145,8 +180,10 @@ lcor_status lcor_field_at(const lcor_field *field, size_t surface, size_t n, con
         vec_plane_point(shape->origin, shape->edge_u, shape->edge_v, uv[2 * i], uv[2 * i + 1],
                         point);
         lcor_solution_direct_at(field->solution, point, normal, (uint32_t)surface, straight);
-        if (total)
-            indirect_at(field, surface, uv + 2 * i, indirect);
+        if (total &&
+            !(field->solution->engine->estimate ? cache_at(field, point, normal, indirect)
+                                                : cells_at(field, surface, uv + 2 * i, indirect)))
+            ask_solution(field, surface, point, normal, straight, indirect);
         for (size_t c = 0; c < channels; c++) {
             if (total) /* polynomials may dip below zero beside black */
                 total[channels * i + c] = straight[c] + fmax(indirect[c], 0);
@@ -172,6 +209,7 @@ void lcor_field_free(lcor_field *field)
     lcor_array_clear(&allocator, &field->parts);
     lcor_array_clear(&allocator, &field->cells);
     lcor_array_clear(&allocator, &field->values);
+    cache_clear(&field->cache);
     lcor_internal_free(&allocator, field->surfaces);
     lcor_internal_free(&allocator, field);
 }

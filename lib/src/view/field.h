@@ -5,6 +5,8 @@
 
 #include "base/array.h"
 
+#include "view/cache.h"
+
 #include <lcor/view.h>
 
 enum { FIELD_NODES = 5, FIELD_CHANNELS_MAX = 3 };
@@ -26,6 +28,7 @@ typedef struct field_cell {
     size_t child;   /* first of four: [s half][t half]; 0: none */
     unsigned nodes; /* a side; 0: nothing of it is seen, the parent serves */
     double pixels;  /* about how many show it */
+    int torn;       /* its values are not those of a polynomial, but it is too small to split */
 } field_cell;
 
 typedef struct field_surface {
@@ -40,6 +43,7 @@ struct lcor_field {
     lcor_array parts;  /* field_part */
     lcor_array cells;  /* field_cell */
     lcor_array values; /* double */
+    light_cache cache; /* instead of cells, where the solution's answers have noise */
     lcor_field_report report;
 };
 
@@ -63,5 +67,8 @@ void field_interpolate(const lcor_field *field, const field_cell *cell, const do
 
 /* field_build.c: fills a field whose first three members are set. */
 lcor_status field_build(lcor_field *field, const lcor_field_options *options, lcor_error *err);
+
+/* cache_build.c: the same for a field with a cache. */
+lcor_status cache_build(lcor_field *field, const lcor_field_options *options, lcor_error *err);
 
 #endif

@@ -2,6 +2,7 @@
 /* Sampling a field: cells are split where samples within them differ from the interpolant. */
 #include "base/internal.h"
 #include "geometry/vec.h"
+#include "radiosity/engine.h"
 #include "scene/scene_internal.h"
 #include "view/field.h"
 #include "view/internal.h"
@@ -403,20 +404,11 @@ static lcor_status report_progress(build *b, double done, lcor_error *err)
     return LCOR_OK;
 }
 
-/* No finer than the noise of the solution's answers, which splitting would chase in vain. */
-static double wanted_tolerance(const build *b)
-{
-    const lcor_radiosity_report *report = lcor_solution_report(b->field->solution);
-    const double asked = b->options->tolerance > 0 ? b->options->tolerance : tolerance_default;
-
-    return report->engine == LCOR_ENGINE_GATHER ? fmax(asked, report->error_rms) : asked;
-}
-
 /* One round: samples the cells from b->first on and splits those that need it. */
 static lcor_status refine(build *b, lcor_error *err)
 {
     lcor_field *field = b->field;
-    double tolerance = wanted_tolerance(b);
+    double tolerance = b->options->tolerance > 0 ? b->options->tolerance : tolerance_default;
     const size_t end = field->cells.count;
     lcor_status status = LCOR_OK;
 
@@ -436,6 +428,8 @@ static lcor_status refine(build *b, lcor_error *err)
 
         if (worst > tolerance && field_cell_at(field, i)->pixels > PIXELS_SPLIT)
             status = split(b, i, err);
+        else if (worst > tolerance)
+            field_cell_at(field, i)->torn = 1;
         else
             field->report.error = fmax(field->report.error, worst);
     }
@@ -464,6 +458,8 @@ static lcor_status build_all(build *b, lcor_error *err)
     for (size_t i = 0; i < surfaces; i++)
         field->surfaces[i] = (field_surface){0};
     status = see_picture(b, err);
+    if (status == LCOR_OK && field->solution->engine->estimate)
+        return cache_build(field, b->options, err);
     finish_roots(field);
     while (status == LCOR_OK && b->first < field->cells.count)
         status = refine(b, err);
