@@ -246,9 +246,8 @@ typedef struct gather_errors {
     double noise, field; /* parts of rms: of the answer's rays, and of the field they read */
 } gather_errors;
 int gather_estimate(gather *g, size_t n, gather_errors *out);
-/* Mean irradiance over the fronts of all surfaces, near enough to tell what is dark, by answers of
- * so many samples each. */
-int gather_set_mean(gather *g, double samples);
+/* Mean irradiance over the fronts of all surfaces, near enough to tell what is dark. */
+int gather_set_mean(gather *g);
 /* The noise of averages over n patches. */
 int gather_patch_noise(gather *g, size_t n, double *noise);
 /* Squares of a sample of `count` spread: what to multiply a root of their mean by. */

@@ -253,7 +253,7 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
                  samples_most);
         if (g->hurry)
             g->effort.stop = fmax(g->effort.stop, stop_hurried);
-        if (!gather_set_mean(g, samples_least) || !gather_estimate(g, SAMPLE, &errors))
+        if (!gather_set_mean(g) || !gather_estimate(g, SAMPLE, &errors))
             goto stopped;
         s->report.converged = wanted_error(s, &errors) <= s->options.tolerance;
         g->effort.patch_stop = g->effort.stop;

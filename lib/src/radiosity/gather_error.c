@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { ITERATIONS_MAX = 4, MEAN_PLACES = 256 };
+enum { ITERATIONS_MAX = 4, MEAN_PLACES = 256, MEAN_SAMPLES = 16 };
 
 static const double dark_share = 0.02;
 
@@ -72,7 +72,7 @@ static void ask_point(const gather *g, uint32_t i, uint32_t seed, gather_query *
 
 typedef struct mean_job {
     const gather *g;
-    double samples, values[MEAN_PLACES];
+    double values[MEAN_PLACES];
 } mean_job;
 
 static void mean_task(void *arg, size_t i)
@@ -83,15 +83,15 @@ static void mean_task(void *arg, size_t i)
 
     ask_point(job->g, (uint32_t)i, 7, &q, total);
     q.stop = 1;
-    q.samples = job->samples;
+    q.samples = MEAN_SAMPLES;
     q.seed = (uint32_t)i;
     (void)gather_answer(job->g, &q, total, NULL);
     job->values[i] = mean_of(job->g, total);
 }
 
-int gather_set_mean(gather *g, double samples)
+int gather_set_mean(gather *g)
 {
-    mean_job job = {g, samples, {0}};
+    mean_job job = {g, {0}};
     double sum = 0;
 
     if (!gather_each(g, MEAN_PLACES, mean_task, &job))
