@@ -61,7 +61,8 @@ void lcor_internal_load_texels(const lcor_row_job *job, size_t at, size_t m, lco
         load_plane(job->plan, from, l.pixel_step, m, b->c[k]);
 }
 
-LCOR_COLD void lcor_internal_load_f(const lcor_row_job *job, size_t at, size_t m, float f[][LCOR_BLOCK])
+LCOR_COLD void lcor_internal_load_f(const lcor_row_job *job, size_t at, size_t m,
+                                    float f[][LCOR_BLOCK])
 {
     memset(f, 0, 3 * sizeof *f);
     for (size_t k = 0; k < 3; k++)

@@ -59,10 +59,10 @@ void lcor_internal_correct_lanes(const lcor_row_job *job, lcor_lanes *l)
 {
     const lcor_plan *p = job->plan;
 
-    if (job->f == NULL)
+    if (job->texels != NULL)
         p->kernel->lanes_to_f(p, l);
     for (size_t j = 0; j < LCOR_LANES; j++) {
-        if (job->f != NULL)
+        if (job->texels == NULL)
             check_f(p->colour.lightness, l, j);
         l->y_new[j] = l->k[j] = 0.0;
         l->flags[j] = LCOR_PIXEL_BAD;

@@ -93,7 +93,7 @@ void lcor_internal_load_lane(const lcor_row_job *job, size_t i, lcor_lanes *lane
 {
     const lcor_plan *p = job->plan;
 
-    if (job->f == NULL)
+    if (job->texels != NULL)
         load_texel(p, job->texels, i, lanes, lane);
     else
         for (size_t k = 0; k < 3; k++)
