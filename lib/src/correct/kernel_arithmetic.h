@@ -71,16 +71,22 @@ INNER float ISA(f_inverse)(float v)
     return m * m * m + (v - m) * 0.128418565f;
 }
 
-/* x^t for 0 <= x < 2^64; worst error 5e-7 + 2e-7 t relative where the result is > 1e-6. */
-INNER float ISA(pow)(float x, float t)
+/* x^t for 0 <= x < 2^64 in two steps; worst error 5e-7 + 2e-7 t relative where the result is
+ * > 1e-6. First t log2 x ... */
+INNER float ISA(log_power)(float x, float t)
 {
     const int32_t i = ISA(bits)(ISA(at_least)(x, 1e-30f));
     const int32_t e = (i - 0x3F3504F3) >> 23; /* mantissa in sqrt(1/2)..sqrt(2) */
     const float a = ISA(from_bits)(i - e * 0x800000);
     const float s = (a - 1.0f) / (a + 1.0f), z = s * s;
     const float l = s * (2.88539004f + z * (0.961798847f + z * (0.57671386f + z * 0.431748331f)));
-    const float y = t * (float)e + t * l;
-    /* 2^y: the nearest integer goes to the exponent, the rest through a polynomial */
+
+    return t * (float)e + t * l;
+}
+
+/* ... then 2^y: the nearest integer goes to the exponent, the rest through a polynomial. */
+INNER float ISA(exp2)(float y)
+{
     const float h = ISA(from_bits)(ISA(bits)(y + 12582912.0f));
     const float r = y - (h - 12582912.0f);
     const float p =
@@ -90,9 +96,5 @@ INNER float ISA(pow)(float x, float t)
                               r * (0.00961843692f + r * (0.0013398875f + r * 0.000153533605f)))));
     const int32_t n = ISA(bits)(h) - ISA(bits)(12582912.0f);
 
-    return x > 0.0f ? ISA(from_bits)(ISA(bits)(p) + (n < -120  ? -120
-                                                     : n > 126 ? 126
-                                                               : n) *
-                                                        0x800000)
-                    : 0.0f;
+    return ISA(from_bits)(ISA(bits)(p) + (n < -120 ? -120 : n > 126 ? 126 : n) * 0x800000);
 }

@@ -68,14 +68,20 @@ STAGE int ISA(maps)(const lcor_plan *p, const float *restrict i, const float *re
 STAGE int ISA(transfer)(const lcor_power *p, float *restrict c)
 {
     const lcor_power q = *p;
+    float LCOR_ALIGNED y[LCOR_BLOCK];
     uint32_t worst = 0;
 
     EACH (j, LCOR_BLOCK) {
         const float x = ISA(at_most)(ISA(at_least)(c[j], 0.0f), q.top);
-        const float y = q.scale * ISA(pow)(x * q.in_scale + q.in_offset, q.exponent) + q.offset;
 
         worst = ISA(larger)(worst, ISA(doubt)(c[j]));
-        c[j] = x > q.knee ? y : x * q.slope;
+        y[j] = ISA(log_power)(x * q.in_scale + q.in_offset, q.exponent);
+        c[j] = x;
+    }
+    EACH (j, LCOR_BLOCK) {
+        const float x = c[j], power = x > 0.0f ? ISA(exp2)(y[j]) : 0.0f;
+
+        c[j] = x > q.knee ? q.scale * power + q.offset : x * q.slope;
     }
     return ISA(is_suspect)(worst);
 }
