@@ -63,6 +63,8 @@ static void count(lcor_row_stats *stats, size_t row, size_t pixel, unsigned flag
 void lcor_plan_reflectance_row(const lcor_plan *plan, size_t n, const void *texels,
                                const void *illuminance, const void *rho, double *r)
 {
+    const double *m = plan->f_from_rgb;
+
     for (size_t i = 0; i < n; i++) {
         double reflectance = map_at(plan, rho, i, plan->rho);
 
@@ -70,8 +72,7 @@ void lcor_plan_reflectance_row(const lcor_plan *plan, size_t n, const void *texe
             double rgb[3];
 
             load_linear(plan, texels, i, rgb);
-            lcor_internal_mat3_apply(plan->f_from_rgb, rgb, rgb);
-            reflectance = rgb[1] * plan->rho_ratio;
+            reflectance = (m[3] * rgb[0] + m[4] * rgb[1] + m[5] * rgb[2]) * plan->rho_ratio;
         }
         r[i] = map_at(plan, illuminance, i, 0.0) * reflectance;
         if (!(r[i] >= 0.0 && isfinite(r[i])))
