@@ -12,6 +12,8 @@
 #include <string.h>
 
 enum { OCCLUDERS_MAX = SIGHT_CONES, HALVINGS = 4, RAY_DOUBLINGS = 11, BLOCK = 16 };
+/* Doublings before rays are believed, and before they are when none has got through. */
+enum { DOUBLINGS_LEAST = 3, DOUBLINGS_DARK = 7 };
 
 /* Rays need not be as accurate as quadrature. */
 static const double rays_accuracy = 80;
@@ -128,8 +130,8 @@ static double flux_by_rays(const light_set *set, const lcor_light *light, const 
         error2 = fmax(change[step % 3] * change[step % 3],
                       fmax(change[(step + 2) % 3] * change[(step + 2) % 3] / 2,
                            change[(step + 1) % 3] * change[(step + 1) % 3] / 4));
-        if (step == RAY_DOUBLINGS ||
-            (step >= 3 && sqrt(error2) <= rays_accuracy * accuracy * (known + mean)))
+        if (step == RAY_DOUBLINGS || (step >= (mean > 0 ? DOUBLINGS_LEAST : DOUBLINGS_DARK) &&
+                                      sqrt(error2) <= rays_accuracy * accuracy * (known + mean)))
             return mean;
     }
 }
