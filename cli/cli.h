@@ -248,11 +248,14 @@ class OutputFile
     bool direct_ = false;
 };
 
+/* "cannot WHAT 'PATH': reason", for an errno, with what to do about it. */
+[[noreturn]] void fail_file(const char *what, const std::string &path, int error);
 /* The whole of a file as bytes, at most `limit`; Exit::input (or `missing`) names it otherwise. */
 std::string read_file(const std::string &path, uint64_t limit, Exit missing = Exit::input);
 std::string read_start(const std::string &path, size_t size); /* its first bytes */
 void write_file(const std::string &path, const std::string &bytes);
-/* Ctrl-C, SIGTERM and SIGHUP remove temporary files and end with 130. */
+/* Ctrl-C, SIGTERM and SIGHUP remove temporary files and end with 128 + their number; so does
+ * exit(), with its own code. */
 void handle_signals();
 
 } // namespace cli

@@ -35,6 +35,16 @@ struct Band {
     MapReader::Band map;
 };
 
+/* CMYK and the like, which OpenImageIO hands over as three channels. */
+bool foreign_colours(const OIIO::ImageSpec &spec)
+{
+    const std::string profile = spec.get_string_attribute("ICCProfile:color_space", "RGB");
+    return spec.get_string_attribute("tiff:ColorSpace") == "CMYK" ||
+           spec.get_string_attribute("jpeg:ColorSpace") == "CMYK" ||
+           spec.get_string_attribute("jpeg:ColorSpace") == "YCbCrK" ||
+           (spec.nchannels >= 3 && profile != "RGB");
+}
+
 OIIO::ImageSpec output_spec(const PictureReader &reader, const Job &job, const Device &device)
 {
     OIIO::ImageSpec spec = reader.spec();
@@ -49,6 +59,12 @@ OIIO::ImageSpec output_spec(const PictureReader &reader, const Job &job, const D
         warn("the device's tone curve takes the place of the ICC profile of '%s'",
              job.texture.c_str());
         spec.erase_attribute("ICCProfile");
+    } else if (foreign_colours(spec)) {
+        warn("'%s' is not RGB: its colours are those of a plain conversion and the picture written "
+             "is RGB without its ICC profile; for exact ones convert it to sRGB first",
+             job.texture.c_str());
+        for (const char *name : {"ICCProfile", "tiff:ColorSpace", "tiff:PhotometricInterpretation"})
+            spec.erase_attribute(name);
     } else if (!icc.empty() && icc.find("sRGB") == std::string::npos) {
         warn("'%s' has the ICC profile '%s'; it is carried over, colours are read as --space says",
              job.texture.c_str(), icc.c_str());

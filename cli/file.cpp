@@ -25,11 +25,17 @@ struct Slot {
 };
 Slot slots[64];
 
-extern "C" void on_signal(int number)
+/* Also when a picture library ends the program by itself, as libjpeg does. */
+extern "C" void remove_temporaries()
 {
     for (Slot &slot : slots)
         if (slot.armed.load())
             unlink(slot.path);
+}
+
+extern "C" void on_signal(int number)
+{
+    remove_temporaries();
     /* The shell wants to see 128 + the signal's number: 130 for Ctrl-C. */
     _exit(128 + number);
 }
@@ -50,20 +56,6 @@ void disarm(int slot)
 {
     slots[slot].armed = false;
     slots[slot].claimed = false;
-}
-
-[[noreturn]] void fail_file(const char *what, const std::string &path, int error)
-{
-    const bool denied = error == EACCES || error == EPERM || error == EROFS;
-    const char *hint = "";
-    if (error == ENOSPC || error == EDQUOT)
-        hint = "; free some space and run it again";
-    else if (denied)
-        hint = "; choose a folder you may write to";
-    else if (error == ENOENT || error == ENOTDIR)
-        hint = "; its folder does not exist, make it first";
-    fail(denied ? Exit::permission : Exit::failed, "cannot %s '%s': %s%s", what, path.c_str(),
-         std::strerror(error), hint);
 }
 
 /* A symbolic link stays and its target is replaced. */
@@ -95,8 +87,23 @@ std::string folder_of(const std::string &path)
 
 } // namespace
 
+void fail_file(const char *what, const std::string &path, int error)
+{
+    const bool denied = error == EACCES || error == EPERM || error == EROFS;
+    const char *hint = "";
+    if (error == ENOSPC || error == EDQUOT)
+        hint = "; free some space and run it again";
+    else if (denied)
+        hint = "; choose a folder you may write to";
+    else if (error == ENOENT || error == ENOTDIR)
+        hint = "; its folder does not exist, make it first";
+    fail(denied ? Exit::permission : Exit::failed, "cannot %s '%s': %s%s", what, path.c_str(),
+         std::strerror(error), hint);
+}
+
 void handle_signals()
 {
+    std::atexit(remove_temporaries);
     struct sigaction action = {};
     action.sa_handler = on_signal;
     sigfillset(&action.sa_mask);

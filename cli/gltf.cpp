@@ -340,10 +340,11 @@ void name_extensions(const tinygltf::Model &model, Contents &contents)
 } // namespace
 
 Contents parse_gltf(const std::string &bytes, const std::string &name, const std::string &folder,
-                    Threads &threads)
+                    Threads &threads, ImageDecoder decoder)
 {
     ModelFile file;
     file.name = name;
+    file.decoder = decoder;
     read_model(bytes, folder, file);
     Contents contents;
     name_extensions(*file.model, contents);

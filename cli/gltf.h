@@ -32,9 +32,11 @@ struct Transform {
     double determinant() const; /* of the upper 3 x 3 */
 };
 
+using ImageDecoder = Image (*)(const uint8_t *bytes, size_t size, const std::string &name);
+
 /* A .gltf or .glb from memory; what lies beside it is looked for in `folder`, nowhere if empty. */
 Contents parse_gltf(const std::string &bytes, const std::string &name, const std::string &folder,
-                    Threads &threads);
+                    Threads &threads, ImageDecoder decoder = decode_image);
 
 /* ---- between the files of the reader ---- */
 
@@ -48,6 +50,7 @@ struct ModelFile {
     std::string name;
     std::unique_ptr<tinygltf::Model> model;
     std::vector<EncodedImage> images;
+    ImageDecoder decoder;
     uint64_t bytes; /* in all buffers: no honest accessor holds more elements */
     ModelFile();
     ~ModelFile();

@@ -141,7 +141,9 @@ bool understood_extension(const std::string &name)
     return names.count(name) > 0;
 }
 
-ModelFile::ModelFile() : model(std::make_unique<tinygltf::Model>()), bytes(0) {}
+ModelFile::ModelFile() : model(std::make_unique<tinygltf::Model>()), decoder(decode_image), bytes(0)
+{
+}
 ModelFile::~ModelFile() = default;
 
 void read_model(const std::string &bytes, const std::string &folder, ModelFile &file)
@@ -149,7 +151,8 @@ void read_model(const std::string &bytes, const std::string &folder, ModelFile &
     const bool binary = bytes.compare(0, 4, "glTF") == 0;
     const size_t first = bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf");
     if (!binary && (first == std::string::npos || bytes[first] != '{'))
-        fail(Exit::input, "'%s' is not a glTF scene (.gltf or .glb)", file.name.c_str());
+        fail(Exit::input, "'%s' is no scene lcor reads: glTF (.gltf, .glb) or Wavefront OBJ (.obj)",
+             file.name.c_str());
     uint32_t json_size = static_cast<uint32_t>(bytes.size());
     const size_t json_start = binary ? 20 : 0;
     if (binary && bytes.size() >= json_start)

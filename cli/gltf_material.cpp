@@ -128,7 +128,7 @@ void decode(const ModelFile &file, const std::vector<int> &wanted, Contents &con
         if (!problems[i].empty())
             return;
         try {
-            contents.images[i] = decode_image(encoded.bytes.data(), encoded.bytes.size(), name);
+            contents.images[i] = file.decoder(encoded.bytes.data(), encoded.bytes.size(), name);
         } catch (const Error &error) {
             problems[i] = error.what();
         }

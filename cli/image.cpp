@@ -16,6 +16,7 @@ namespace
 
 using InputPointer = std::unique_ptr<OIIO::ImageInput>;
 
+constexpr uint64_t max_pixels = uint64_t(1) << 28;
 /* A header may promise more than its file holds: no coding of real pictures shrinks them further.
  */
 constexpr uint64_t largest_ratio = 2048, ratio_floor = uint64_t(1) << 22;
@@ -27,8 +28,7 @@ std::string first_line(const std::string &text)
     return line.empty() ? "not a picture OpenImageIO can read" : line;
 }
 
-Image read_opened(OIIO::ImageInput &input, const std::string &name, uint64_t max_pixels,
-                  uint64_t encoded_size)
+Image read_opened(OIIO::ImageInput &input, const std::string &name, uint64_t encoded_size)
 {
     const OIIO::ImageSpec &spec = input.spec();
     if (spec.deep || spec.depth > 1)
@@ -101,7 +101,7 @@ double Image::sample(size_t x, size_t y, size_t channel) const
     return static_cast<double>(value);
 }
 
-Image read_image(const std::string &path, uint64_t max_pixels)
+Image read_image(const std::string &path)
 {
     read_start(path, 1); /* says why a file cannot be opened, which OpenImageIO does not */
     const OIIO::ImageSpec hints = open_hints();
@@ -109,10 +109,10 @@ Image read_image(const std::string &path, uint64_t max_pixels)
     if (!input)
         fail(Exit::input, "cannot read '%s': %s", path.c_str(),
              first_line(OIIO::geterror()).c_str());
-    return read_opened(*input, path, max_pixels, 0);
+    return read_opened(*input, path, 0);
 }
 
-Image decode_image(const uint8_t *bytes, size_t size, const std::string &name, uint64_t max_pixels)
+Image decode_image(const uint8_t *bytes, size_t size, const std::string &name)
 {
     const char *const hint = hint_name(bytes, size);
     if (!hint)
@@ -126,7 +126,7 @@ Image decode_image(const uint8_t *bytes, size_t size, const std::string &name, u
     if (!input)
         fail(Exit::input, "cannot decode '%s': %s", name.c_str(),
              first_line(OIIO::geterror()).c_str());
-    return read_opened(*input, name, max_pixels, size);
+    return read_opened(*input, name, size);
 }
 
 } // namespace cli

@@ -25,10 +25,9 @@ struct Image {
 };
 
 /* Decode a picture file, or bytes of one (its kind is found from the bytes). `name` is for
- * messages. Exit::input when missing, broken, or larger than `max_pixels`. */
-Image read_image(const std::string &path, uint64_t max_pixels = uint64_t(1) << 28);
-Image decode_image(const uint8_t *bytes, size_t size, const std::string &name,
-                   uint64_t max_pixels = uint64_t(1) << 28);
+ * messages. Exit::input when missing, broken, or of more than 2^28 pixels. */
+Image read_image(const std::string &path);
+Image decode_image(const uint8_t *bytes, size_t size, const std::string &name);
 
 } // namespace cli
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 namespace cli
 {
@@ -80,9 +81,12 @@ PictureWriter::PictureWriter(const std::string &path, const OIIO::ImageSpec &spe
                       (format == "tiff" && spec.get_int_attribute("oiio:UnassociatedAlpha") == 0));
     if (wanted.alpha_channel >= 0)
         wanted.attribute("oiio:UnassociatedAlpha", premultiplied_ ? 0 : 1);
-    if (!output_->open(file_.temporary(), wanted))
-        fail(Exit::failed, "cannot write '%s': %s", path.c_str(),
-             first_line(output_->geterror()).c_str());
+    /* OpenImageIO's TIFF writer loses the directory of files written through a proxy. */
+    if (output_->supports("ioproxy") && format != "tiff") {
+        sink_ = std::make_unique<Sink>(file_.temporary(), path);
+        output_->set_ioproxy(sink_.get());
+    }
+    check(output_->open(file_.temporary(), wanted));
 }
 
 PictureWriter::~PictureWriter()
@@ -97,9 +101,16 @@ void PictureWriter::write(size_t y0, size_t y1, OIIO::TypeDesc type, const void 
 {
     const OIIO::ImageSpec &s = spec();
     const int first = s.y + static_cast<int>(y0), last = s.y + static_cast<int>(y1);
-    const bool good = s.tile_width > 0 ? output_->write_tiles(s.x, s.x + s.width, first, last, s.z,
-                                                              s.z + 1, type, rows)
-                                       : output_->write_scanlines(first, last, s.z, type, rows);
+    check(s.tile_width > 0
+              ? output_->write_tiles(s.x, s.x + s.width, first, last, s.z, s.z + 1, type, rows)
+              : output_->write_scanlines(first, last, s.z, type, rows));
+}
+
+/* What the system refused says more than what the library makes of it. */
+void PictureWriter::check(bool good) const
+{
+    if (sink_)
+        sink_->check();
     if (!good)
         fail(Exit::failed, "cannot write '%s': %s", file_.path().c_str(),
              first_line(output_->geterror()).c_str());
@@ -107,9 +118,11 @@ void PictureWriter::write(size_t y0, size_t y1, OIIO::TypeDesc type, const void 
 
 void PictureWriter::commit()
 {
-    if (!output_->close())
-        fail(Exit::failed, "cannot write '%s': %s", file_.path().c_str(),
-             first_line(output_->geterror()).c_str());
+    check(output_->close());
+    std::error_code ignored;
+    if (!sink_ && std::filesystem::is_regular_file(file_.temporary(), ignored) &&
+        !OIIO::ImageInput::open(file_.temporary()))
+        fail(Exit::failed, "'%s' came out broken; is the disk full?", file_.path().c_str());
     committed_ = true;
     file_.commit();
 }

@@ -4,6 +4,7 @@
 #define LCOR_CLI_STREAM_H
 
 #include "cli.h"
+#include "sink.h"
 
 #include <OpenImageIO/imageio.h>
 
@@ -54,7 +55,10 @@ class PictureWriter
     void commit();
 
   private:
+    void check(bool good) const;
+
     OutputFile file_;
+    std::unique_ptr<Sink> sink_; /* where the format can have one */
     std::unique_ptr<OIIO::ImageOutput> output_;
     bool premultiplied_ = false, committed_ = false;
 };

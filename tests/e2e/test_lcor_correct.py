@@ -289,3 +289,15 @@ def test_threads_tiles_and_bands_change_no_byte(tmp_path):
         good("correct", path, "--illuminance", light, "--contrast", 9, "-o", tmp_path / "o.tif")
         pixel_sets.append(pixels(tmp_path / "o.tif")[::997])
     assert pixel_sets[0] == pixel_sets[1]
+
+
+def test_other_colours_than_rgb_are_said_to_be_converted(tmp_path, light):
+    rgb = tmp_path / "rgb.png"
+    rgb.write_bytes(png(2, 2, bytes(range(40, 160, 10))))
+    cmyk = tmp_path / "cmyk.tif"
+    oiiotool(rgb, "--attrib", "tiff:ColorSpace", "CMYK", "-o", cmyk)
+    out = tmp_path / "o.tif"
+    run = good("correct", cmyk, "--illuminance", light, "--contrast", 9, "-o", out)
+    assert run.stderr.count("is not RGB") == 1
+    assert "CMYK" in oiiotool("--info", "-v", cmyk)
+    assert "CMYK" not in oiiotool("--info", "-v", out)

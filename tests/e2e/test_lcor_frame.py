@@ -3,6 +3,7 @@
 
 import json
 import os
+import random
 import re
 import signal
 import subprocess
@@ -168,16 +169,17 @@ def test_output_through_a_link_to_a_device_and_with_its_rights(tmp_path):
     assert sorted(os.listdir(tmp_path)) == ["link.glb", "real.glb"]
 
 
-def test_full_disk_leaves_the_old_file(tmp_path, picture, light):
-    out = tmp_path / "out.tif"
+@pytest.mark.parametrize("extension", ["tif", "png", "jpg", "exr", "ppm"])
+def test_full_disk_leaves_the_old_file(tmp_path, light, extension):
+    out = tmp_path / f"out.{extension}"
     out.write_bytes(b"old")
     large = tmp_path / "large.png"
-    large.write_bytes(png(600, 600, bytes(range(250)) * 4320))
+    large.write_bytes(png(600, 600, random.Random(1).randbytes(3 * 600 * 600)))
     run = subprocess.run(
         [
             "sh",
             "-c",
-            'ulimit -f 100; trap "" XFSZ; exec "$0" "$@"',
+            'ulimit -f 40; trap "" XFSZ; exec "$0" "$@"',
             LCOR,
             "correct",
             large,
@@ -192,7 +194,7 @@ def test_full_disk_leaves_the_old_file(tmp_path, picture, light):
         text=True,
         timeout=60,
     )
-    assert run.returncode == 1 and "cannot write" in run.stderr
+    assert run.returncode == 1 and f"cannot write '{out}'" in run.stderr
     assert out.read_bytes() == b"old"
     assert not [name for name in os.listdir(tmp_path) if name.startswith(".lcor-")]
 
