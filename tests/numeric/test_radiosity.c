@@ -369,6 +369,44 @@ static void beams_are_averaged_over_a_triangle(void **state)
     }
 }
 
+/* A shelf a quarter of a patch above the floor. Twenty gaps away from its edge the floor is as good
+ * as dark: whatever irradiance is left there is error, and the estimate must know of it. */
+static void a_gap_narrower_than_a_patch_is_not_missed(void **state)
+{
+    const double low[3] = {0.45, 0.2, 0.005}, u[3] = {0.3, 0, 0}, v[3] = {0, 0.3, 0};
+    lcor_scene *scene = paper_room(N);
+    lcor_radiosity_options options;
+    lcor_solution *solution = NULL;
+    lcor_surface shelf;
+    lcor_error err;
+    double floor[N * N], mean = 0, square = 0;
+
+    (void)state;
+    memset(&shelf, 0, sizeof shelf);
+    shelf.two_sided = 1;
+    shelf.reflectance[0] = shelf.reflectance[1] = shelf.reflectance[2] = 0.5;
+    must(lcor_scene_add_quad(scene, low, u, v, &shelf, NULL, &err), &err);
+    commit(scene);
+    memset(&options, 0, sizeof options);
+    options.struct_size = sizeof options;
+    options.tolerance = 0.01;
+    options.engine = LCOR_ENGINE_LINKS;
+    options.max_bytes = 8000000;
+    must(lcor_radiosity_solve(scene, &options, &solution, &err), &err);
+    must(lcor_solution_patches(solution, 0, LCOR_VALUE_AVERAGE, floor, NULL, &err), &err);
+    for (int i = 0; i < N * N; i++)
+        mean += floor[i] / (N * N);
+    for (int i = 28; i < 32; i++)
+        for (int j = 16; j < 19; j++)
+            square += pow(floor[i * N + j] / (0.02 * mean), 2) / (ROOM_FACES * N * N);
+    printf("gap: in the dark %.2e of the rms, estimated %.2e, %s\n", sqrt(square),
+           lcor_solution_report(solution)->error_rms,
+           lcor_solution_report(solution)->converged ? "converged" : "not converged");
+    assert_true(0.8 * sqrt(square) <= lcor_solution_report(solution)->error_rms);
+    lcor_solution_free(solution);
+    lcor_scene_free(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -384,6 +422,7 @@ int main(void)
         cmocka_unit_test(normals_of_any_length_are_taken_and_nonsense_is_refused),
         cmocka_unit_test(shadow_edges_are_exact_in_averages),
         cmocka_unit_test(many_occluders_shade_a_triangle_in_part),
+        cmocka_unit_test(a_gap_narrower_than_a_patch_is_not_missed),
         cmocka_unit_test(beams_are_averaged_over_a_triangle),
     };
 

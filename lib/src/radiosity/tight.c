@@ -140,22 +140,50 @@ static void estimate_task(void *arg, size_t chunk)
     }
 }
 
-/* Points in proportion to the root of a leaf's area, so that small ones at edges are seen, weighted
- * back to area; within leaves on a sequence of low discrepancy, a quarter of a patch away from
- * their border, since errors are those of patches. */
+/* How many times as many points lie where leaves are too large for the gap they look into. */
+static const double gap_boost = 16;
+
+/* Whether another surface faces the leaf nearer than the smallest leaf is long. */
+static int in_gap(const links *l, const links_element *e)
+{
+    static const double at[5][2] = {{0.5, 0.5}, {0.1, 0.1}, {0.9, 0.1}, {0.1, 0.9}, {0.9, 0.9}};
+    const face *f = links_face_of(l, e);
+
+    for (int i = 0; i < 5 && !l->scene->convex; i++) {
+        double x[3], above[3];
+
+        face_point(f, e->c.s0 + at[i][0] * e->c.hs, e->c.t0 + at[i][1] * e->c.ht, x);
+        vec_add_scaled(x, f->finest, f->normal, above);
+        if (lcor_scene_blocked(l->scene, x, above, f->surface, NULL))
+            return 1;
+    }
+    return 0;
+}
+
+/* Points in proportion to the root of a leaf's area, so that small ones at edges are seen, more in
+ * narrow gaps, weighted back to area; within leaves on a sequence of low discrepancy, a quarter of
+ * a patch away from their border, since errors are those of patches. Returns how many, 0 without
+ * memory. */
 static size_t place_samples(const links *l, size_t n, sample *samples)
 {
+    double *density = lcor_internal_alloc(&l->allocator, l->elements.count * sizeof *density);
     double total = 0, sum = 0, margin[2];
     size_t count = 0;
 
-    for (size_t i = 0; i < l->elements.count; i++)
-        total += links_at(l, i)->child < 0 ? sqrt(links_at(l, i)->area) : 0;
+    if (!density)
+        return 0;
+    for (size_t i = 0; i < l->elements.count; i++) {
+        const links_element *e = links_at(l, i);
+
+        density[i] = e->child >= 0 ? 0 : sqrt(e->area) * (in_gap(l, e) ? gap_boost : 1);
+        total += density[i];
+    }
     for (size_t i = 0; i < l->elements.count; i++) {
         const links_element *e = links_at(l, i);
 
         if (e->child >= 0)
             continue;
-        sum += sqrt(e->area);
+        sum += density[i];
         margin[0] = fmin(0.0625, 0.25 * links_face_of(l, e)->patch / links_extent(l, e, 0));
         margin[1] = fmin(0.0625, 0.25 * links_face_of(l, e)->patch / links_extent(l, e, 1));
         while (count < n && ((double)count + 0.5) * total < sum * (double)n) {
@@ -164,9 +192,10 @@ static size_t place_samples(const links *l, size_t n, sample *samples)
             const double u = margin[0] + (1 - 2 * margin[0]) * (s - floor(s));
             const double v = margin[1] + (1 - 2 * margin[1]) * (t - floor(t));
 
-            samples[count++] = (sample){i, u, v, sqrt(e->area), 0};
+            samples[count++] = (sample){i, u, v, e->area / density[i], 0};
         }
     }
+    lcor_internal_free(&l->allocator, density);
     return count;
 }
 
@@ -183,6 +212,10 @@ int links_estimate(links *l, size_t n, links_errors *out)
     if (!job.samples)
         return 0;
     job.count = place_samples(l, n, job.samples);
+    if (job.count == 0) {
+        lcor_internal_free(&l->allocator, job.samples);
+        return 0;
+    }
     links_run(l, (job.count + CHUNK - 1) / CHUNK, estimate_task, &job);
     out->max = 0;
     for (size_t i = 0; i < job.count; i++) {
