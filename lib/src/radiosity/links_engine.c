@@ -24,6 +24,11 @@ static const double fine_tolerance = 5e-4;
 /* What a round that missed may change at most and at least. */
 static const double tighten_most = 0.1, tighten_least = 0.6;
 
+/* Rounds in a row that may bring less than this before the elements are taken to be too large, as
+ * in a gap far narrower than a patch. */
+enum { STALE_MAX = 2 };
+static const double progress_least = 0.9;
+
 /* How much worse than the worst of the sampled points the worst patch may be. */
 static const double unseen = 2;
 
@@ -120,6 +125,8 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
 {
     const double tolerance = s->options.tolerance;
     links *l = (links *)s->state;
+    double best = HUGE_VAL;
+    int stale = 0;
 
     l->eps =
         (s->scene->convex ? link_share : hidden_share) * tolerance * pow(tolerance / 0.01, 0.3);
@@ -147,7 +154,9 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
         if (bytes_held(l) > s->report.bytes)
             s->report.bytes = bytes_held(l);
         s->report.converged = wanted_error(s, &errors) <= tolerance;
-        if (s->report.converged || l->hurry)
+        stale = wanted_error(s, &errors) > progress_least * best ? stale + 1 : 0;
+        best = fmin(best, wanted_error(s, &errors));
+        if (s->report.converged || l->hurry || stale == STALE_MAX)
             break;
         l->eps *=
             fmax(tighten_most, fmin(tighten_least, 0.7 * tolerance / wanted_error(s, &errors)));
