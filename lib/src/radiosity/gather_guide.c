@@ -396,12 +396,13 @@ int guide_look(const gather *g, const double x[3], const double normal[3], doubl
                guide_view *view)
 {
     const guide *d = &g->guide;
-    const double relative = expected / d->mean;
     lanes sums = {{0}, {0}, {0}};
     float from[3], towards[3];
+    double relative;
 
     if (d->count == 0)
         return 0;
+    relative = expected / d->mean;
     for (int k = 0; k < 3; k++) {
         from[k] = (float)((x[k] - d->origin[k]) / g->scene->diameter);
         towards[k] = (float)normal[k];

@@ -96,7 +96,8 @@ static int clipped_cell(const moments *m, const cell *c, int depth, double out[R
 static int feels_kink(const moments *m, double at, double spread, double kink, double width,
                       double whole)
 {
-    const double jump = fmin(1, 2 * spread / width), share = 2 * spread / whole;
+    const double jump = 2 * spread < width ? 2 * spread / width : 1;
+    const double share = 2 * spread < whole ? 2 * spread / whole : 1;
 
     return fabs(at - kink) < spread &&
            kink_felt * jump * share > fmax(m->accuracy, kink_accuracy_least);
