@@ -256,6 +256,7 @@ Exit run_irradiance(const Arguments &arguments)
         report["patches"] = count;
         say("%s: illuminance of %zu patches", patches_path.c_str(), count);
     }
+    say_engine(solution.get());
     if (!report_path.empty())
         write_file(report_path, report.dump(2) + "\n");
     print_json(report);

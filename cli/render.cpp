@@ -97,12 +97,12 @@ bool shows_surface(const Picture &picture)
 }
 
 double find_mean(const RenderOptions &render, const Device &device, const Picture &picture,
-                 const lcor_solution *solution)
+                 const lcor_solution *solution, const std::optional<double> &shared)
 {
     if (render.correction.given_mean())
         return *render.correction.given_mean();
-    if (!render.adaptation.empty() && exists(render.adaptation))
-        return read_adaptation(render.adaptation);
+    if (shared)
+        return *shared;
     if (render.mean_over == 0 && !shows_surface(picture))
         fail(Exit::input,
              "scene '%s': its camera sees no surface, so there is nothing to adapt to; choose "
@@ -147,12 +147,15 @@ void render_scene(const RenderOptions &render, const std::string &command)
 {
     Threads threads(render.threads);
     const Device device = render.device.load();
+    std::optional<double> shared; /* read before the long work, so that a bad file costs none */
+    if (!render.adaptation.empty() && exists(render.adaptation))
+        shared = read_adaptation(render.adaptation);
     const Scene scene = load_scene(render.scene, render.scene_options, threads);
     const SceneCamera camera = choose_camera(scene, render.camera);
     const SolutionPointer solution = solve(scene, render.solve, threads);
     const Picture picture(scene, solution.get(), sized_camera(camera, render.size),
                           0.1 * render.solve.tolerance, threads);
-    const double r_mean = find_mean(render, device, picture, solution.get());
+    const double r_mean = find_mean(render, device, picture, solution.get(), shared);
     const PlanPointer plan = picture_plan(render.correction, device, r_mean);
     const Developer developer(picture, plan.get(), render.correction.conventional, r_mean);
     const lcor_radiosity_report *const report = lcor_solution_report(solution.get());
@@ -173,6 +176,7 @@ void render_scene(const RenderOptions &render, const std::string &command)
     say("%s: %zu x %zu, %s for contrast %s", render.output.c_str(), picture.width(),
         picture.height(), render.correction.conventional ? "conventional method" : "corrected",
         short_text(device.contrast).c_str());
+    say_engine(solution.get());
     lcor_field_report field;
     lcor_field_get_report(picture.field(), &field);
     Json document = {{"output", render.output},

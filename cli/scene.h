@@ -111,6 +111,8 @@ struct SolveOptions {
 SolutionPointer solve(const Scene &scene, const SolveOptions &options, Threads &threads);
 /* The solution's report for --json and --report. */
 Json report_json(const Scene &scene, const lcor_solution *solution);
+/* Which engine solved it and what it was estimated to take, for people. */
+void say_engine(const lcor_solution *solution);
 
 } // namespace cli
 

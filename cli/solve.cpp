@@ -6,6 +6,8 @@
 namespace cli
 {
 
+constexpr const char *engine_names[] = {"auto", "links", "gather"};
+
 void SolveOptions::declare(Options &options)
 {
     options
@@ -48,17 +50,27 @@ SolutionPointer solve(const Scene &scene, const SolveOptions &options, Threads &
     return owner;
 }
 
+void say_engine(const lcor_solution *solution)
+{
+    const lcor_radiosity_report *const report = lcor_solution_report(solution);
+    const char *const name = engine_names[report->engine];
+    if (report->engine_reason == LCOR_REASON_COST)
+        say("radiosity by engine %s; estimated seconds: links %s, gather %s", name,
+            short_text(report->links_seconds).c_str(), short_text(report->gather_seconds).c_str());
+    else
+        say("radiosity by engine %s, %s", name, lcor_reason_text(report->engine_reason));
+}
+
 Json report_json(const Scene &scene, const lcor_solution *solution)
 {
     const lcor_radiosity_report *const report = lcor_solution_report(solution);
-    const char *const engines[] = {"auto", "links", "gather"};
     return {{"error_rms", report->error_rms},
             {"error_max", report->error_max},
             {"energy_defect", report->energy_defect},
             {"converged", report->converged != 0},
             {"iterations", report->iterations},
             {"channels", report->channels},
-            {"engine", engines[report->engine]},
+            {"engine", engine_names[report->engine]},
             {"links", report->links},
             {"elements", report->elements},
             {"rays", report->rays},
@@ -66,6 +78,8 @@ Json report_json(const Scene &scene, const lcor_solution *solution)
             {"seconds", report->seconds},
             {"models", report->models},
             {"engine_reason", lcor_reason_text(report->engine_reason)},
+            {"estimated_seconds",
+             {{"links", report->links_seconds}, {"gather", report->gather_seconds}}},
             {"visibility_reason", lcor_reason_text(report->visibility_reason)},
             {"channels_reason", lcor_reason_text(report->channels_reason)},
             {"pairs_apart", report->pairs_apart},

@@ -462,6 +462,48 @@ static void wrong_options_are_refused(void **state)
     lcor_scene_free(scene);
 }
 
+/* The scene's choice and the engine it did not take give the same light; under the box it is
+ * exactly dark, elsewhere nowhere. */
+static void the_engine_that_was_chosen_agrees_with_the_other(void **state)
+{
+    enum { FINE = 20, ALL = FINE * FINE };
+    const double tolerance = 0.02;
+    lcor_radiosity_options options = options_for(LCOR_ENGINE_AUTO, tolerance);
+    lcor_scene *scene = paper_room(FINE);
+    lcor_solution *chosen, *other;
+    double rms = 0;
+
+    (void)state;
+    add_box(scene, paper_box_low, paper_box_high, 0.5, 1);
+    commit(scene);
+    chosen = solve_with(scene, &options);
+    options.engine = lcor_solution_report(chosen)->engine == LCOR_ENGINE_LINKS ? LCOR_ENGINE_GATHER
+                                                                               : LCOR_ENGINE_LINKS;
+    other = solve_with(scene, &options);
+    for (size_t f = 0; f < 6; f++) {
+        double a[ALL], b[ALL];
+
+        must(lcor_solution_patches(chosen, f, LCOR_VALUE_CENTRE, a, NULL, NULL), NULL);
+        must(lcor_solution_patches(other, f, LCOR_VALUE_CENTRE, b, NULL, NULL), NULL);
+        for (int i = 0; i < ALL; i++) {
+            const double x = (i / FINE + 0.5) / FINE, y = (i % FINE + 0.5) / FINE;
+
+            if (f == 0 && x > paper_box_low[0] && x < paper_box_high[0] && y > paper_box_low[1] &&
+                y < paper_box_high[1]) {
+                assert_true(a[i] == 0 && b[i] == 0);
+                continue;
+            }
+            assert_true(a[i] > 0 && b[i] > 0);
+            rms += (a[i] / b[i] - 1) * (a[i] / b[i] - 1) / (6 * ALL);
+        }
+    }
+    print_message("engines differ by %.4f (rms)\n", sqrt(rms));
+    assert_true(sqrt(rms) < 1.5 * tolerance); /* each within one */
+    lcor_solution_free(chosen);
+    lcor_solution_free(other);
+    lcor_scene_free(scene);
+}
+
 static void the_report_says_what_was_switched_off_and_why(void **state)
 {
     const lcor_radiosity_options asked = options_for(LCOR_ENGINE_LINKS, 0.05);
@@ -474,7 +516,9 @@ static void the_report_says_what_was_switched_off_and_why(void **state)
     commit(scene);
     solution = solve_with(scene, &chosen);
     report = lcor_solution_report(solution);
-    assert_int_equal(report->engine_reason, LCOR_REASON_FEW);
+    assert_int_equal(report->engine_reason, LCOR_REASON_COST);
+    assert_int_equal(report->engine, LCOR_ENGINE_LINKS);
+    assert_true(0 < report->links_seconds && report->links_seconds < report->gather_seconds);
     assert_int_equal(report->visibility_reason, LCOR_REASON_CONVEX);
     assert_int_equal(report->channels_reason, LCOR_REASON_GREY);
     assert_int_equal(report->pairs_open, ROOM_FACES * (ROOM_FACES - 1));
@@ -487,6 +531,7 @@ static void the_report_says_what_was_switched_off_and_why(void **state)
     solution = solve_with(scene, &asked);
     report = lcor_solution_report(solution);
     assert_int_equal(report->engine_reason, LCOR_REASON_ASKED);
+    assert_true(report->links_seconds == 0 && report->gather_seconds == 0);
     assert_int_equal(report->visibility_reason, LCOR_REASON_CLUTTER);
     /* the sides of the box look away from each other, its top sees the ceiling, its sides the floor
      * past nothing, and it stands between the walls */
@@ -517,6 +562,7 @@ int main(void)
         cmocka_unit_test(a_limit_returns_the_best_solution_unconverged),
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(wrong_options_are_refused),
+        cmocka_unit_test(the_engine_that_was_chosen_agrees_with_the_other),
         cmocka_unit_test(the_report_says_what_was_switched_off_and_why),
     };
 

@@ -34,8 +34,8 @@ typedef enum lcor_norm {
 
 /** How indirect light is found. Both give the same answers within the tolerance. */
 typedef enum lcor_engine {
-    LCOR_ENGINE_AUTO = 0,  /**< links for up to 512 surfaces where nothing hides anything, else for
-                                up to 12, or 64 below a tolerance of 0.2 %; gather beyond */
+    LCOR_ENGINE_AUTO = 0,  /**< the one that is estimated to solve the scene sooner, by its pairs
+                                of surfaces, what may hide them, and the tolerance */
     LCOR_ENGINE_LINKS = 1, /**< exact factors and visibility, no noise; at most 2000 faces */
     LCOR_ENGINE_GATHER = 2 /**< rays, for any number of surfaces; meant for 0.2 % and more */
 } lcor_engine;
@@ -60,8 +60,7 @@ typedef struct lcor_radiosity_options {
 /** Why the solver chose as it did; lcor_reason_text says it in words. */
 typedef enum lcor_reason {
     LCOR_REASON_ASKED = 0, /**< an option says so */
-    LCOR_REASON_FEW,       /**< engine links: few enough surfaces to compare pair by pair */
-    LCOR_REASON_MANY,      /**< engine gather: too many for that */
+    LCOR_REASON_COST,      /**< engine: of both the one estimated to be done sooner */
     LCOR_REASON_CONVEX,    /**< no visibility tests: no surface has another one on either side */
     LCOR_REASON_CLUTTER,   /**< visibility tests: surfaces stand before others */
     LCOR_REASON_GREY,      /**< one channel: all lights and emission are grey */
@@ -79,6 +78,9 @@ typedef struct lcor_radiosity_report {
     lcor_engine engine;
     uint64_t links, elements, rays, bytes; /**< bytes: the largest held at once */
     double seconds;
+    /** Processor seconds estimated for each engine when LCOR_ENGINE_AUTO chose between them, infinite
+     *  where one cannot do it; 0 when the caller chose. */
+    double links_seconds, gather_seconds;
     char models[256]; /**< what the scene required and what was switched off, and why */
     lcor_reason engine_reason, visibility_reason, channels_reason;
     /** Of engine links, pairs of faces, each as receiver of the other: those that cannot see each

@@ -46,6 +46,10 @@ struct lcor_solution {
 
 extern const engine engine_links, engine_gather;
 
+/* choose.c: estimated processor seconds to solve to a tolerance; infinite where an engine cannot.
+ */
+void engine_costs(const lcor_scene *scene, double tolerance, double *links, double *gather);
+
 /* Whether max_seconds have passed, or `bytes` are more than max_bytes. */
 int engine_over_limit(const lcor_solution *s, uint64_t bytes);
 

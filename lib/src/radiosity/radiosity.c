@@ -74,26 +74,27 @@ static lcor_status check_options(lcor_radiosity_options *o, lcor_error *err)
     return LCOR_OK;
 }
 
-/* Links compare surfaces pair by pair, and clip what is hidden: right for rooms of few surfaces,
- * and where more is asked for than rays can give. */
-static const engine *choose_engine(const lcor_scene *scene, const lcor_radiosity_options *options)
+/* The cheaper one, unless the caller knows better. */
+static const engine *choose_engine(lcor_solution *s)
 {
-    const size_t links_most = scene->convex ? 512 : options->tolerance < 2e-3 ? 64 : 12;
+    double links, gather;
 
-    switch (options->engine) {
+    switch (s->options.engine) {
     case LCOR_ENGINE_LINKS: return &engine_links;
     case LCOR_ENGINE_GATHER: return &engine_gather;
     case LCOR_ENGINE_AUTO: break;
     }
-    return scene->surfaces.count <= links_most ? &engine_links : &engine_gather;
+    engine_costs(s->scene, s->options.tolerance, &links, &gather);
+    s->report.links_seconds = links;
+    s->report.gather_seconds = gather;
+    return links <= gather ? &engine_links : &engine_gather;
 }
 
 const char *lcor_reason_text(lcor_reason reason)
 {
     switch (reason) {
     case LCOR_REASON_ASKED: return "asked for";
-    case LCOR_REASON_FEW: return "few surfaces";
-    case LCOR_REASON_MANY: return "many surfaces";
+    case LCOR_REASON_COST: return "estimated to take less time";
     case LCOR_REASON_CONVEX: return "convex scene, nothing hides anything";
     case LCOR_REASON_CLUTTER: return "surfaces may hide others";
     case LCOR_REASON_GREY: return "all light is grey";
@@ -106,9 +107,7 @@ static void give_reasons(lcor_solution *s)
 {
     lcor_radiosity_report *r = &s->report;
 
-    r->engine_reason = s->options.engine != LCOR_ENGINE_AUTO ? LCOR_REASON_ASKED
-                       : r->engine == LCOR_ENGINE_LINKS      ? LCOR_REASON_FEW
-                                                             : LCOR_REASON_MANY;
+    r->engine_reason = s->options.engine == LCOR_ENGINE_AUTO ? LCOR_REASON_COST : LCOR_REASON_ASKED;
     r->visibility_reason = s->scene->convex ? LCOR_REASON_CONVEX : LCOR_REASON_CLUTTER;
     r->channels_reason = s->options.channels != 0 ? LCOR_REASON_ASKED
                          : r->channels == 1       ? LCOR_REASON_GREY
@@ -172,7 +171,7 @@ lcor_status lcor_radiosity_solve(const lcor_scene *scene, const lcor_radiosity_o
     s->allocator = own;
     s->scene = scene;
     s->options = o;
-    s->engine = choose_engine(scene, &o);
+    s->engine = choose_engine(s);
     s->lights.scene = scene;
     memcpy(s->lights.luminance, o.luminance, sizeof s->lights.luminance);
     s->lights.open = lcor_internal_alloc(&own, scene->lights.count);
