@@ -116,6 +116,51 @@ static void behind_a_wall_without_thickness_it_is_exactly_dark(void **state)
     lcor_scene_free(scene);
 }
 
+/* From above, through the ceiling's back, the floor is seen on both sides of the wall at once. */
+static void estimates_are_not_used_across_a_wall(void **state)
+{
+    unsigned char cull[ROOM_FACES + 6];
+    const lcor_view_options options = {.struct_size = sizeof options, .cull_back = cull};
+    const lcor_camera camera = {.position = {0.5, 0.5, 2},
+                                .forward = {0, 0, -1},
+                                .up = {0, 1, 0},
+                                .height = 1,
+                                .size_x = WIDTH,
+                                .size_y = WIDTH};
+    lcor_scene *scene = divided_room(1);
+    lcor_solution *solution = gather(scene, 0.03);
+    lcor_view *view = NULL;
+    lcor_field *field;
+    int lit = 0, dark = 0;
+    lcor_error err;
+
+    (void)state;
+    memset(cull, 1, sizeof cull);
+    must(lcor_view_new(scene, &camera, &options, &view, &err), &err);
+    field = light(solution, view, NULL, 0);
+    for (size_t y = 0; y < WIDTH; y++) {
+        size_t count;
+        const lcor_span *spans = lcor_view_row(view, y, &count);
+
+        for (size_t i = 0; i < count; i++)
+            for (size_t x = spans[i].x0; x < spans[i].x1 && spans[i].surface == 0; x++) {
+                lcor_place place;
+                double total;
+
+                lcor_view_places(view, y, &spans[i], x, 1, &place);
+                assert_int_equal(lcor_field_at(field, 0, 1, place.uv, &total, NULL, NULL), LCOR_OK);
+                assert_true(place.uv[0] < 0.5 ? total > 0 : total == 0);
+                lit += place.uv[0] < 0.5;
+                dark += place.uv[0] > 0.5;
+            }
+    }
+    assert_true(lit > WIDTH * WIDTH / 3 && dark > WIDTH * WIDTH / 3);
+    lcor_field_free(field);
+    lcor_view_free(view);
+    lcor_solution_free(solution);
+    lcor_scene_free(scene);
+}
+
 typedef struct comparison {
     double rms, worst;
     int compared;
@@ -321,6 +366,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(behind_a_wall_without_thickness_it_is_exactly_dark),
+        cmocka_unit_test(estimates_are_not_used_across_a_wall),
         cmocka_unit_test(pixels_agree_with_answers_that_took_long),
         cmocka_unit_test(smooth_surfaces_have_no_speckle),
         cmocka_unit_test(threads_and_limits_leave_the_same_bits),
