@@ -69,6 +69,14 @@ static nb::dict report(const Solution &self)
     d["bytes"] = r->bytes;
     d["seconds"] = r->seconds;
     d["models"] = r->models;
+    d["engine_reason"] = lcor_reason_text(r->engine_reason);
+    d["visibility_reason"] = lcor_reason_text(r->visibility_reason);
+    d["channels_reason"] = lcor_reason_text(r->channels_reason);
+    d["links_seconds"] = r->links_seconds;
+    d["gather_seconds"] = r->gather_seconds;
+    d["pairs_apart"] = r->pairs_apart;
+    d["pairs_open"] = r->pairs_open;
+    d["pairs_tested"] = r->pairs_tested;
     return d;
 }
 

@@ -118,11 +118,17 @@ def test_either_engine_meets_the_tolerance(engine):
     assert solution.at(*place) == pytest.approx(exact.at(*place), rel=0.05)
 
 
-def test_the_scene_chooses_its_engine():
-    assert lcor.solve_radiosity(room()).report["engine"] == "links"
+def test_the_scene_chooses_its_engine_and_says_why():
+    report = lcor.solve_radiosity(room()).report
+    assert report["engine"] == "links" and 0 < report["links_seconds"] < report["gather_seconds"]
+    assert report["pairs_open"] == 30 and report["pairs_tested"] == report["pairs_apart"] == 0
+    asked = lcor.solve_radiosity(room(), engine="links").report
+    assert asked["links_seconds"] == asked["gather_seconds"] == 0
+    assert len({asked["engine_reason"], report["engine_reason"], report["visibility_reason"],
+                report["channels_reason"]}) == 4
     scene = lcor.Scene()
-    for i in range(100):
-        scene.add_quad((i % 10, i // 10, 0.1 * (i % 3)), (0.9, 0, 0), (0, 0.9, 0))
+    for i in range(100):  # upright, each hiding others
+        scene.add_quad((i % 10, i // 10, 0), (0.9 * (i % 2), 0.9 - 0.9 * (i % 2), 0), (0, 0, 0.5))
     scene.add_point_light((5, 5, 3), 10.0)
     assert lcor.solve_radiosity(scene, tolerance=0.1).report["engine"] == "gather"
 

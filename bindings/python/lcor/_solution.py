@@ -39,6 +39,11 @@ class Solution:
 
         error_rms, error_max (estimates; max as sampled), energy_defect, converged, iterations,
         channels, engine, links, elements, rays, bytes, seconds, models (what the scene required).
+
+        engine_reason, visibility_reason and channels_reason say why in words. links_seconds and
+        gather_seconds are what the engines were estimated to take where lcor chose between them
+        (infinite: cannot do it), else 0. pairs_apart, pairs_open and pairs_tested count pairs of
+        faces that cannot see each other, do so fully, and are tested (engine links).
         """
         return self._core.report()
 

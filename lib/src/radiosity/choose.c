@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What each engine would cost, so that the scene can choose. Constants are fitted to processor
- * seconds of rooms with none, one and two boxes, with a screen, and of the benches' scenes: right
- * within a factor of two or three, which is what a choice needs. */
+ * seconds of rooms with none, one and two boxes, with a screen, and of the benches' scenes: mostly
+ * right within a factor of three, ten times too low for gather in slits that trap light. */
 #include "radiosity/engine.h"
 
 #include "geometry/vec.h"
