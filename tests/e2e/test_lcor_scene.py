@@ -437,8 +437,8 @@ def test_box_in_the_room_looks_outwards_and_throws_shadow(tmp_path):
 @pytest.mark.parametrize(
     "says, text",
     [
-        ("not a glTF scene", b""),
-        ("not a glTF scene", b"hello"),
+        ("no scene lcor reads", b""),
+        ("no scene lcor reads", b"hello"),
         ("cut short", b"glTF\2\0\0\0"),
         ("cannot read scene", b'{"asset": '),
         ("cannot read scene", b"{}"),
