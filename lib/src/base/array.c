@@ -23,7 +23,7 @@ void *lcor_array_reserve(const lcor_allocator *allocator, lcor_array *array, siz
         items = lcor_internal_alloc(allocator, bytes);
         if (!items)
             return NULL;
-        if (array->count)
+        if (array->items)
             memcpy(items, array->items, array->count * item_size);
         lcor_internal_free(allocator, array->items);
         array->items = items;

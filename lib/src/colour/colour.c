@@ -82,14 +82,15 @@ LCOR_COLD lcor_status lcor_colour_init(lcor_colour *colour, lcor_primaries prima
 double lcor_transfer_to_linear(const lcor_colour *colour, double stored)
 {
     const double v = fabs(stored);
-    double linear = v;
+    double linear;
 
     switch (colour->transfer) {
-    case LCOR_TRANSFER_LINEAR: return stored;
     case LCOR_TRANSFER_SRGB:
         linear = v <= 0.04045 ? v / 12.92 : lcor_internal_pow((v + 0.055) / 1.055, 2.4);
         break;
     case LCOR_TRANSFER_GAMMA: linear = lcor_internal_pow(v, colour->gamma); break;
+    case LCOR_TRANSFER_LINEAR:
+    default: return stored;
     }
     return stored < 0.0 ? -linear : linear;
 }
@@ -97,14 +98,15 @@ double lcor_transfer_to_linear(const lcor_colour *colour, double stored)
 double lcor_transfer_from_linear(const lcor_colour *colour, double linear)
 {
     const double v = fabs(linear);
-    double stored = v;
+    double stored;
 
     switch (colour->transfer) {
-    case LCOR_TRANSFER_LINEAR: return linear;
     case LCOR_TRANSFER_SRGB:
         stored = v <= 0.0031308 ? v * 12.92 : 1.055 * lcor_internal_pow(v, 1.0 / 2.4) - 0.055;
         break;
     case LCOR_TRANSFER_GAMMA: stored = lcor_internal_pow(v, 1.0 / colour->gamma); break;
+    case LCOR_TRANSFER_LINEAR:
+    default: return linear;
     }
     return linear < 0.0 ? -stored : stored;
 }

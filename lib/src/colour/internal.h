@@ -33,7 +33,7 @@ static inline void lcor_internal_mat3_apply(const double m[9], const double in[3
 {
     const double a = in[0], b = in[1], c = in[2];
 
-    for (int i = 0; i < 3; i++)
+    for (size_t i = 0; i < 3; i++)
         out[i] = m[3 * i] * a + m[3 * i + 1] * b + m[3 * i + 2] * c;
 }
 

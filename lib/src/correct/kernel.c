@@ -14,11 +14,12 @@
 /* A loop over a block. Known to be short, it would be unrolled to many times its size for nothing.
  */
 #if defined(__clang__)
-#define EACH(j, n) _Pragma("clang loop unroll(disable)") for (size_t j = 0; j < (size_t)(n); j++)
+#define EACH(j, n)                                                                                 \
+    _Pragma("clang loop unroll(disable)") for (size_t j = 0; (j) < (size_t)(n); (j)++)
 #elif defined(__GNUC__)
-#define EACH(j, n) _Pragma("GCC unroll 1") for (size_t j = 0; j < (size_t)(n); j++)
+#define EACH(j, n) _Pragma("GCC unroll 1") for (size_t j = 0; (j) < (size_t)(n); (j)++)
 #else
-#define EACH(j, n) for (size_t j = 0; j < (size_t)(n); j++)
+#define EACH(j, n) for (size_t j = 0; (j) < (size_t)(n); (j)++)
 #endif
 
 #define INNER static TARGET LCOR_INLINE

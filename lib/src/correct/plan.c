@@ -147,7 +147,7 @@ static LCOR_COLD void prepare_kernel(lcor_plan *p)
             return;
         k->m[i / 3][i % 3] = (float)(linear ? p->f_from_rgb[i] / unit : p->f_from_rgb[i]);
     }
-    for (int i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 3; i++) {
         k->n[i][0] = (float)p->rgb_from_f[3 * i];
         k->n[i][1] = (float)p->rgb_from_f[3 * i + 2];
     }

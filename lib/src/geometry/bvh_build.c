@@ -307,7 +307,7 @@ static int32_t collapse(lcor_bvh *bvh, const builder *b, size_t at, float pad)
     for (int i = 0; i < BVH_WIDTH; i++) {
         const box *bounds = i < count ? &b->nodes[child[i]].bounds : &empty_box;
 
-        for (int k = 0; k < 3; k++) {
+        for (size_t k = 0; k < 3; k++) {
             node->slab[2 * k][i] = i < count ? bounds->lo[k] - pad : FLT_MAX;
             node->slab[2 * k + 1][i] = i < count ? bounds->hi[k] + pad : -FLT_MAX;
         }
@@ -385,6 +385,7 @@ static size_t count_leaves(const binary_node *nodes, size_t at)
 static int build_tree(lcor_bvh *bvh, builder *b, size_t used, const lcor_parallel *parallel)
 {
     size_t leaves;
+    void *line;
 
     b->task_size = used / 16;
     build(b, 0, 0, used, 0, used >= PARALLEL_MIN);
@@ -399,7 +400,8 @@ static int build_tree(lcor_bvh *bvh, builder *b, size_t used, const lcor_paralle
         &bvh->allocator, leaves * (sizeof *bvh->nodes + sizeof *bvh->blocks) + BVH_LINE);
     if (!bvh->exact || !bvh->memory)
         return 0;
-    bvh->nodes = (bvh_node *)(((uintptr_t)bvh->memory + BVH_LINE - 1) / BVH_LINE * BVH_LINE);
+    line = (char *)bvh->memory + (BVH_LINE - (uintptr_t)bvh->memory % BVH_LINE) % BVH_LINE;
+    bvh->nodes = line;
     bvh->blocks = (bvh_block *)(bvh->nodes + leaves);
     (void)collapse(bvh, b, 0, box_slack);
     return 1;

@@ -14,6 +14,17 @@ static void copy(const visible_piece *from, visible_piece *to)
     memcpy(to->p, from->p, (size_t)from->n * sizeof from->p[0]);
 }
 
+int visible_is_quad(const visible_piece *piece, const double *corners)
+{
+    if (piece->n != 4)
+        return 0;
+    for (size_t i = 0; i < 4; i++)
+        for (size_t k = 0; k < 3; k++)
+            if (piece->p[i][k] != corners[3 * i + k])
+                return 0;
+    return 1;
+}
+
 double visible_area(const visible_piece *piece)
 {
     double sum[3] = {0, 0, 0};
@@ -140,7 +151,7 @@ int visible_between(const visible_view *view, size_t n, const double *corners, i
         top = vec_dot(d, view->normal) - view->touch;
     }
     for (int i = 0; i < m; i++) {
-        vec_copy(corners + 3 * i, p[i]);
+        vec_copy(corners + 3 * (size_t)i, p[i]);
         vec_sub(p[i], view->target, d);
         height[i] = vec_dot(d, view->normal);
         low |= height[i] < view->touch;

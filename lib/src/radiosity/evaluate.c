@@ -77,7 +77,7 @@ static void add_leaf(const grid *g, const face *f, const links_element *e, size_
 
             axis_values(s0, hs, i, g->nu, g->value, at_s);
             for (int c = 0; c < channels; c++) {
-                const double *in = links_values(g->l, &g->l->irradiance, element) + c * RULE_Q;
+                const double *in = links_channel(g->l, &g->l->irradiance, element, c);
                 double *out = g->out + ((i - g->row0) * g->nv + base) * (size_t)channels + c;
                 double column[RULE_P] = {0}, sum[BLOCK];
 
@@ -170,8 +170,7 @@ static void add_integral(const links *l, const face *f, size_t element, const po
             rule_values((t - e->c.t0) / e->c.ht, at_t);
             for (int c = 0; c < l->channels; c++)
                 out[c] +=
-                    w * rule_interpolate(links_values(l, &l->irradiance, element) + c * RULE_Q,
-                                         at_s, at_t);
+                    w * rule_interpolate(links_channel(l, &l->irradiance, element, c), at_s, at_t);
         }
     }
 }
@@ -191,7 +190,7 @@ static void descend(const links *l, const face *f, size_t element, polygon q, do
         const double m = e->axis == 0 ? e->c.s0 + 0.5 * e->c.hs : e->c.t0 + 0.5 * e->c.ht;
 
         cut_parameter(&part, f, e->axis, m, h == 0);
-        descend(l, f, (size_t)(e->child + h), part, out);
+        descend(l, f, (size_t)e->child + (size_t)h, part, out);
     }
 }
 
@@ -269,7 +268,7 @@ static void add_at(const links *l, const face *f, double s, double t, double *ou
     rule_values(u, at_s);
     rule_values(v, at_t);
     for (int c = 0; c < l->channels; c++)
-        out[c] += rule_interpolate(links_values(l, &l->irradiance, leaf) + c * RULE_Q, at_s, at_t);
+        out[c] += rule_interpolate(links_channel(l, &l->irradiance, leaf, c), at_s, at_t);
 }
 
 static int all_aligned(const links *l, size_t surface)

@@ -416,17 +416,17 @@ int guide_look(const gather *g, const double x[3], const double normal[3], doubl
 }
 
 /* The one of `count` shares, `stride` apart, in which *at falls; *at becomes the place in it. */
-static int choose_share(const float *shares, int count, int stride, double *at)
+static int choose_share(const float *shares, int count, size_t stride, double *at)
 {
     double before = 0, sum = 0;
     int chosen = 0;
 
     for (int i = 0; i < count && sum <= *at; i++) {
-        if (!(shares[i * stride] > 0))
+        if (!(shares[(size_t)i * stride] > 0))
             continue;
         chosen = i;
         before = sum;
-        sum += (double)shares[i * stride];
+        sum += (double)shares[(size_t)i * stride];
     }
     *at -= before;
     return chosen;

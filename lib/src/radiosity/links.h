@@ -74,8 +74,8 @@ struct links {
     lcor_array deviation;                     /* float[RULE_Q * channels]: (B - mean) / deviation */
     lcor_array work;                          /* double, of the solve */
     size_t pairs_apart, pairs_open, pairs_tested; /* of faces */
-    size_t leaf_count, basis_bytes;           /* the second: of the last linear solve */
-    void (*poll)(links *l);                   /* called now and then: may set hurry or cancelled */
+    size_t leaf_count, basis_bytes;               /* the second: of the last linear solve */
+    void (*poll)(links *l); /* called now and then: may set hurry or cancelled */
     void *poll_arg;
     unsigned polls;
     int hurry;             /* a limit is reached: link what is left as it is */
@@ -103,7 +103,12 @@ static inline face *links_face_of(const links *l, const links_element *e)
 
 static inline double *links_values(const links *l, const lcor_array *a, size_t element)
 {
-    return (double *)a->items + element * (size_t)(RULE_Q * l->channels);
+    return (double *)a->items + element * RULE_Q * (size_t)l->channels;
+}
+
+static inline double *links_channel(const links *l, const lcor_array *a, size_t element, int c)
+{
+    return links_values(l, a, element) + (size_t)c * RULE_Q;
 }
 
 /* tree.c. Functions that return int return 0 without memory or when cancelled. */

@@ -82,7 +82,7 @@ static int clipped_cell(const moments *m, const cell *c, int depth, double out[R
     for (int i = 0; i < set.count; i++) {
         const visible_piece *piece = &set.pieces[i];
 
-        if (i == 0 && piece->n == 4 && memcmp(piece->p, corners, sizeof corners) == 0)
+        if (i == 0 && visible_is_quad(piece, corners[0]))
             whole(m, c, out);
         else
             for (int j = 1; j + 1 < piece->n; j++)

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "radiosity/rule.h"
 
+#include <stddef.h>
+
 const double rule_x[RULE_P] = {0.06943184420297371239, 0.33000947820757186760,
                                0.66999052179242813240, 0.93056815579702628761};
 const double rule_w[RULE_P] = {0.17392742256872692869, 0.32607257743127307131,
@@ -69,7 +71,7 @@ static void add_row(float row[RULE_P], const float p[RULE_P], const float other[
 {
     float r0 = row[0], r1 = row[1], r2 = row[2], r3 = row[3];
 
-    for (int g = 0; g < RULE_P; g++) {
+    for (size_t g = 0; g < RULE_P; g++) {
         r0 += p[g] * other[RULE_P * g];
         r1 += p[g] * other[RULE_P * g + 1];
         r2 += p[g] * other[RULE_P * g + 2];
@@ -83,7 +85,7 @@ static void add_row(float row[RULE_P], const float p[RULE_P], const float other[
 
 void rule_fold_float(int axis, int c, const float *half, float *whole)
 {
-    for (int a = 0; a < RULE_P; a++)
+    for (size_t a = 0; a < RULE_P; a++)
         if (axis == 0) {
             const float p[RULE_P] = {half_float[c][0][a], half_float[c][1][a], half_float[c][2][a],
                                      half_float[c][3][a]};

@@ -37,9 +37,9 @@ static void pull(links *l)
 
         if (e->child < 0)
             continue;
-        memset(out, 0, (size_t)(RULE_Q * l->channels) * sizeof *out);
+        memset(out, 0, RULE_Q * (size_t)l->channels * sizeof *out);
         for (int h = 0; h < 2; h++) {
-            const size_t child = (size_t)(e->child + h);
+            const size_t child = (size_t)e->child + (size_t)h;
             const double *in = links_values(l, &l->radiosity, child);
 
             links_node_areas(l, links_at(l, child), area);
@@ -48,7 +48,7 @@ static void pull(links *l)
 
                 for (int k = 0; k < RULE_Q; k++)
                     power[k] = area[k] * in[c * RULE_Q + k];
-                rule_fold(e->axis, h, power, out + c * RULE_Q);
+                rule_fold(e->axis, h, power, out + (size_t)c * RULE_Q);
             }
         }
         links_node_areas(l, e, area);
@@ -150,14 +150,14 @@ static void push(links *l)
 
         for (int h = 0; e->child >= 0 && h < 2; h++)
             for (int c = 0; c < l->channels; c++)
-                rule_push(e->axis, h, links_values(l, &l->irradiance, i) + c * RULE_Q,
-                          links_values(l, &l->irradiance, (size_t)(e->child + h)) + c * RULE_Q);
+                rule_push(e->axis, h, links_channel(l, &l->irradiance, i, c),
+                          links_channel(l, &l->irradiance, (size_t)e->child + (size_t)h, c));
     }
 }
 
 static void set_radiosity(links *l, const double *irradiance, int with_source)
 {
-    const size_t values = (size_t)(RULE_Q * l->channels);
+    const size_t values = RULE_Q * (size_t)l->channels;
 
     for (size_t i = 0; i < l->elements.count; i++) {
         const int leaf = links_at(l, i)->leaf;
@@ -171,7 +171,7 @@ static void set_radiosity(links *l, const double *irradiance, int with_source)
 static void collect(links *l, void (*add)(const links *l, const links_link *link), double *out)
 {
     receive_job job = {l, add};
-    const size_t values = (size_t)(RULE_Q * l->channels);
+    const size_t values = RULE_Q * (size_t)l->channels;
 
     memset(l->irradiance.items, 0, l->elements.count * values * sizeof(double));
     links_run(l, RECEIVERS, receive_task, &job);
@@ -188,7 +188,7 @@ static void collect(links *l, void (*add)(const links *l, const links_link *link
 /* Irradiance of the leaves that their radiosity causes, times `closure` where that is not NULL. */
 static void transport(links *l, const double *closure, double *out)
 {
-    const size_t n = l->leaf_count * (size_t)(RULE_Q * l->channels);
+    const size_t n = l->leaf_count * RULE_Q * (size_t)l->channels;
 
     pull(l);
     set_deviations(l);
@@ -212,14 +212,14 @@ static void number_leaves(links *l, double *weight)
 /* How far the polynomial of a split element is from that of its half h, mean of the channels. */
 static double halves_differ(const links *l, const links_element *e, const double *b, int h)
 {
-    const double *half = links_values(l, &l->radiosity, (size_t)(e->child + h));
+    const double *half = links_values(l, &l->radiosity, (size_t)e->child + (size_t)h);
     double worst = 0, pushed[RULE_Q];
 
     for (int c = 0; c < l->channels; c++) {
         double most = 0;
 
         memset(pushed, 0, sizeof pushed);
-        rule_push(e->axis, h, b + c * RULE_Q, pushed);
+        rule_push(e->axis, h, b + (size_t)c * RULE_Q, pushed);
         for (int k = 0; k < RULE_Q; k++)
             most = fmax(most, fabs(pushed[k] - half[c * RULE_Q + k]));
         worst += most / l->channels;
@@ -260,7 +260,7 @@ static void set_bounds(links *l, size_t i)
 /* What the solution means for the next refinement, and the elements' values for evaluation. */
 static void accept_solution(links *l, const double *x)
 {
-    const size_t values = (size_t)(RULE_Q * l->channels);
+    const size_t values = RULE_Q * (size_t)l->channels;
 
     set_radiosity(l, x, 1);
     pull(l);
@@ -278,7 +278,7 @@ static void accept_solution(links *l, const double *x)
  * hemisphere is open follows from the row sums: as receiver and, by reciprocity, as sender. */
 static double energy_defect(links *l, const double *x, const double *seen)
 {
-    const size_t values = (size_t)(RULE_Q * l->channels);
+    const size_t values = RULE_Q * (size_t)l->channels;
     double defect = 0, power = 0;
 
     for (size_t i = 0; i < l->elements.count; i++) {
@@ -327,7 +327,7 @@ static int may_close(const links *l)
 int links_solve(links *l, double tolerance, int max_iterations)
 {
     const int closed = may_close(l);
-    const size_t group = (size_t)(RULE_Q * l->channels);
+    const size_t group = RULE_Q * (size_t)l->channels;
     double *weight, *seen, *right, *solution;
     reflection r = {l, NULL};
     krylov k;

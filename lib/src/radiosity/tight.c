@@ -42,7 +42,7 @@ static void gather_element(gatherer *g, size_t index)
     }
     (void)transfer_weights(&g->t, &e->c, weights);
     for (int c = 0; c < l->channels; c++) {
-        const double *b = links_values(l, &l->radiosity, index) + c * RULE_Q;
+        const double *b = links_channel(l, &l->radiosity, index, c);
 
         for (int k = 0; k < RULE_Q; k++)
             g->out[c] += (double)weights[k] * b[k];
@@ -113,6 +113,7 @@ static void estimate_task(void *arg, size_t chunk)
 {
     const estimate_job *job = arg;
     const links *l = job->l;
+    const int channels = l->channels;
 
     for (size_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < job->count; i++) {
         sample *p = &job->samples[i];
@@ -125,17 +126,17 @@ static void estimate_task(void *arg, size_t chunk)
         rule_values(p->u, at_s);
         rule_values(p->v, at_t);
         light_at(l->lights, x, f->normal, f->surface, direct);
-        for (int c = 0; c < l->channels; c++) {
-            const double *in = links_values(l, &l->irradiance, p->leaf) + c * RULE_Q;
+        for (int c = 0; c < channels; c++) {
+            const double *in = links_channel(l, &l->irradiance, p->leaf, c);
 
             here[c] = rule_interpolate(in, at_s, at_t);
             expected = fmax(expected, direct[c] + here[c]);
         }
         links_gather(l, x, f->normal, f->surface, job->accuracy, expected, gathered);
         p->defect = 0;
-        for (int c = 0; c < l->channels; c++) {
+        for (int c = 0; c < channels; c++) {
             p->defect +=
-                (here[c] - gathered[c]) / fmax(direct[c] + gathered[c], l->floor) / l->channels;
+                (here[c] - gathered[c]) / fmax(direct[c] + gathered[c], l->floor) / channels;
         }
     }
 }

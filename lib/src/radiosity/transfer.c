@@ -124,7 +124,7 @@ double transfer_ellipse(const double x[3], const face *f, const cell *c, double 
         g.height[i] = fabs(g.height[i]);
     set_view(&g, f, c, &v);
     find_poles(&v, &p);
-    for (int i = 0; i < 2; i++) {
+    for (size_t i = 0; i < 2; i++) {
         const double re = sqrt((double)p.re2[i * LANES]), im2 = (double)p.im2[i * LANES];
         const double a = 0.5 * (sqrt((re - 1) * (re - 1) + im2) + sqrt((re + 1) * (re + 1) + im2));
 
@@ -288,7 +288,7 @@ static void add_triangle(const transfer *t, const cell *c, double sign, const do
     }
     node_values(x, at_s);
     node_values(y, at_t);
-    for (int i = 0; i < RULE_P; i++) { /* four sums at a time become one vector */
+    for (size_t i = 0; i < RULE_P; i++) { /* four sums at a time become one vector */
         float *out = weights[0] + i * RULE_P, s0 = 0, s1 = 0, s2 = 0, s3 = 0;
 
         for (int k = 0; k < RULE_Q; k++) {
@@ -334,7 +334,7 @@ static double clipped_cell(const transfer *t, const cell *c, const cell_view *v,
     for (int i = 0; i < set.count; i++) {
         const visible_piece *piece = &set.pieces[i];
 
-        if (i == 0 && piece->n == 4 && memcmp(piece->p, corners, sizeof corners) == 0)
+        if (i == 0 && visible_is_quad(piece, corners[0]))
             whole(t, c, v, 1, weights);
         else
             for (int j = 1; j + 1 < piece->n; j++)

@@ -86,7 +86,7 @@ static void set_look(links *l, links_element *e)
 
 static int add_element(links *l, uint32_t face_number, const cell *c)
 {
-    const size_t values = (size_t)(RULE_Q * l->channels) * sizeof(double);
+    const size_t values = RULE_Q * (size_t)l->channels * sizeof(double);
     links_element *e = lcor_array_reserve(&l->allocator, &l->elements, 1, sizeof *e);
     lcor_array *arrays[3] = {&l->irradiance, &l->radiosity, &l->source};
     double corners[4][3];
@@ -153,8 +153,8 @@ int links_split(links *l, size_t element, int axis)
         if (!add_element(l, parent.face, &half))
             return 0;
         for (int c = 0; c < l->channels; c++)
-            rule_push(axis, i, links_values(l, &l->irradiance, element) + c * RULE_Q,
-                      links_values(l, &l->irradiance, child + (size_t)i) + c * RULE_Q);
+            rule_push(axis, i, links_channel(l, &l->irradiance, element, c),
+                      links_channel(l, &l->irradiance, child + (size_t)i, c));
     }
     links_at(l, element)->child = (int32_t)child;
     links_at(l, element)->axis = axis;

@@ -343,7 +343,7 @@ static double affordable(const build *b, double tolerance, size_t end)
     const uint64_t asked = b->options->max_samples ? b->options->max_samples : samples_default;
     const uint64_t left = asked > b->field->report.samples ? asked - b->field->report.samples : 0;
 
-    for (;; tolerance *= 2) {
+    for (;;) {
         uint64_t count = 0;
 
         for (size_t i = b->first; i < end; i++)
@@ -351,6 +351,7 @@ static double affordable(const build *b, double tolerance, size_t end)
                 count += 4 * (uint64_t)POINTS_MAX;
         if (count <= left)
             return tolerance;
+        tolerance *= 2;
     }
 }
 

@@ -34,15 +34,16 @@ static void skip_to(row_lines *lines, double x)
 static size_t whole_until(const row_lines *lines, size_t x, size_t *surface)
 {
     double until = HUGE_VAL;
+    size_t s = 0;
 
-    for (size_t s = 0; s < lines->count; s++) {
+    do { /* a row has one line at least */
         const line_span *span = lines->next[s];
 
         if (span == lines->end[s] || span->x0 > (double)x ||
             span->surface != lines->next[0]->surface)
             return x;
         until = fmin(until, span->x1);
-    }
+    } while (++s < lines->count);
     *surface = lines->next[0]->surface;
     return (size_t)until;
 }

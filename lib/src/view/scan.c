@@ -66,7 +66,7 @@ lcor_status view_scan_init(view_scan *scan, const lcor_view *view, lcor_error *e
     *scan = (view_scan){.view = view};
     scan->order = lcor_internal_alloc(allocator, n * sizeof *scan->order);
     scan->active = lcor_internal_alloc(allocator, n * sizeof *scan->active);
-    scan->live = lcor_internal_alloc(allocator, n * sizeof *scan->live);
+    scan->live = lcor_internal_alloc(allocator, n * sizeof(struct scan_run *));
     if (scan->order && scan->active && scan->live)
         status = sort_surfaces(scan, err);
     else
