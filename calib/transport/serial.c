@@ -181,9 +181,9 @@ static cal_status open_failure(const char *path, int error, cal_error *err)
     case ENOENT:
     case ENODEV:
     case ENXIO:
-        return cal_fail(err, CAL_NO_DEVICE,
-                        "there is no port '%s'; plug the instrument in, `lccal list --all` shows ports",
-                        path);
+        return cal_fail(
+            err, CAL_NO_DEVICE,
+            "there is no port '%s'; plug the instrument in, `lccal list --all` shows ports", path);
     default: return cal_fail(err, CAL_IO, "cannot open '%s': %s", path, strerror(error));
     }
 }
@@ -200,9 +200,8 @@ cal_status serial_open(const char *path, transport **out, cal_error *err)
         goto failed;
     }
     if (tcgetattr(fd, &s->before) != 0) {
-        status =
-            cal_fail(err, CAL_NO_DEVICE,
-                     "'%s' is not a serial port; `lccal list --all` shows those on USB", path);
+        status = cal_fail(err, CAL_NO_DEVICE,
+                          "'%s' is not a serial port; `lccal list --all` shows those on USB", path);
         goto failed;
     }
     /* TIOCEXCL does not stop root, and programs that open by hand do not look at locks: take both.

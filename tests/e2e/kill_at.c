@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Preloaded into a tool: sends it the signal KILL_SIGNAL just before or after its KILL_AT-th step of
- * saving a file. SIGKILL is what a power cut would be. */
+/* Preloaded into a tool: sends it the signal KILL_SIGNAL just before or after its KILL_AT-th step
+ * of saving a file. SIGKILL is what a power cut would be. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <signal.h>

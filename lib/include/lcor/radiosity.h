@@ -78,8 +78,8 @@ typedef struct lcor_radiosity_report {
     lcor_engine engine;
     uint64_t links, elements, rays, bytes; /**< bytes: the largest held at once */
     double seconds;
-    /** Processor seconds estimated for each engine when LCOR_ENGINE_AUTO chose between them, infinite
-     *  where one cannot do it; 0 when the caller chose. */
+    /** Processor seconds estimated for each engine when LCOR_ENGINE_AUTO chose between them,
+     * infinite where one cannot do it; 0 when the caller chose. */
     double links_seconds, gather_seconds;
     char models[256]; /**< what the scene required and what was switched off, and why */
     lcor_reason engine_reason, visibility_reason, channels_reason;
