@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Irradiance of pixels from interpolation against the solution itself. */
+#include "failing.h"
 #include "testing.h"
 
 #include <lcor/view.h>
@@ -225,20 +226,6 @@ static void cancelling_and_wrong_arguments_are_reported(void **state)
     free_setting(&s);
 }
 
-/* Fails the allocation number *user counts down to. */
-static void *failing_alloc(size_t size, void *user)
-{
-    int *left = user;
-
-    return (*left)-- > 0 ? malloc(size) : NULL;
-}
-
-static void plain_free(void *ptr, void *user)
-{
-    (void)user;
-    free(ptr);
-}
-
 static void every_failed_allocation_is_an_error_without_a_leak(void **state)
 {
     setting s = make_setting(1, 24);
@@ -246,8 +233,8 @@ static void every_failed_allocation_is_an_error_without_a_leak(void **state)
 
     (void)state;
     for (k = 0; k < 200; k++) {
-        int left = k;
-        const lcor_allocator allocator = {failing_alloc, plain_free, &left};
+        failing memory = {k, 0};
+        const lcor_allocator allocator = failing_allocator(&memory);
         const lcor_view_options view_options = {.struct_size = sizeof view_options,
                                                 .allocator = allocator};
         const lcor_field_options options = {.struct_size = sizeof options, .allocator = allocator};
@@ -260,6 +247,7 @@ static void every_failed_allocation_is_an_error_without_a_leak(void **state)
         failures += status == LCOR_ERR_NOMEM;
         lcor_field_free(field);
         lcor_view_free(view);
+        assert_int_equal(memory.live, 0);
         if (status == LCOR_OK)
             break;
         assert_int_equal(status, LCOR_ERR_NOMEM);

@@ -2,6 +2,7 @@
 /* Irradiance of pixels where the solution's answers have noise: against answers that took long, at
  * walls without thickness, in corners and at the feet of what stands on a floor. */
 #include "crew.h"
+#include "failing.h"
 #include "rooms.h"
 
 #include <lcor/view.h>
@@ -312,20 +313,6 @@ static void threads_and_limits_leave_the_same_bits(void **state)
     lcor_scene_free(scene);
 }
 
-/* Fails the allocation number *user counts down to. */
-static void *failing_alloc(size_t size, void *user)
-{
-    int *left = user;
-
-    return (*left)-- > 0 ? malloc(size) : NULL;
-}
-
-static void plain_free(void *ptr, void *user)
-{
-    (void)user;
-    free(ptr);
-}
-
 static int stop(void *user, double done)
 {
     (void)user;
@@ -345,18 +332,20 @@ static void failed_allocations_and_cancelling_are_errors(void **state)
     (void)state;
     assert_int_equal(lcor_field_new(solution, view, &cancelled, &field, NULL), LCOR_ERR_CANCELLED);
     for (lcor_status status = LCOR_ERR_NOMEM; status != LCOR_OK; k++) {
-        int left = k;
+        failing memory = {k, 0};
         const lcor_field_options options = {.struct_size = sizeof options,
                                             .max_samples = 150,
-                                            .allocator = {failing_alloc, plain_free, &left}};
+                                            .allocator = failing_allocator(&memory)};
 
-        assert_null(field);
         assert_true(k < 100);
         status = lcor_field_new(solution, view, &options, &field, NULL);
+        assert_true((status == LCOR_OK) == (field != NULL));
         assert_true(status == LCOR_OK || status == LCOR_ERR_NOMEM);
+        lcor_field_free(field);
+        assert_int_equal(memory.live, 0);
+        field = NULL;
     }
     assert_true(k > 6);
-    lcor_field_free(field);
     lcor_view_free(view);
     lcor_solution_free(solution);
     lcor_scene_free(scene);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What must hold for any scene: threads, scale, order, reuse; and the report's limits. */
 #include "crew.h"
+#include "failing.h"
 #include "rooms.h"
 
 enum { N = 6, VALUES = ROOM_FACES * N * N };
@@ -390,25 +391,6 @@ static void a_limit_returns_the_best_solution_unconverged(void **state)
     lcor_scene_free(scene);
 }
 
-typedef struct failing {
-    long left, live;
-} failing;
-
-static void *failing_alloc(size_t size, void *user)
-{
-    failing *f = user;
-    void *p = f->left-- > 0 ? malloc(size) : NULL;
-
-    f->live += p != NULL;
-    return p;
-}
-
-static void failing_free(void *p, void *user)
-{
-    ((failing *)user)->live--;
-    free(p);
-}
-
 static void every_allocation_may_fail(void **state)
 {
     (void)state;
@@ -419,7 +401,7 @@ static void every_allocation_may_fail(void **state)
         lcor_status status = LCOR_ERR_NOMEM;
 
         commit(scene);
-        options.allocator = (lcor_allocator){failing_alloc, failing_free, &f};
+        options.allocator = failing_allocator(&f);
         for (long k = 0; status != LCOR_OK; k += 1 + k / 8) {
             lcor_solution *solution = NULL;
             lcor_error err;
