@@ -4,6 +4,7 @@
 #include "base/internal.h"
 #include "geometry/vec.h"
 #include "radiosity/engine.h"
+#include "radiosity/gather_random.h"
 #include "scene/scene_internal.h"
 #include "view/field.h"
 #include "view/internal.h"
@@ -141,11 +142,9 @@ static double direct_at(const placing *p, const place *at)
 /* A number of 0..1 for each piece. */
 static double dither(size_t piece)
 {
-    uint32_t h = (uint32_t)piece * 0x9E3779B1u;
+    uint32_t state = (uint32_t)piece;
 
-    h = (h ^ h >> 16) * 0x85EBCA6Bu;
-    h = (h ^ h >> 13) * 0xC2B2AE35u;
-    return (h ^ h >> 16) / 4294967296.0;
+    return random_next(&state);
 }
 
 /* Samples of a record at a place; or less the relative deviation there, if that may stand.
@@ -212,7 +211,7 @@ static void count_place(const placing *p, size_t piece, const place *at, void *a
 /* Harmonic mean distance of what a place sees, by rays in directions that fill the hemisphere. */
 static double reach_at(const placing *p, const cache_record *at)
 {
-    const double turn = 2.399963229728653; /* golden angle */
+    const double golden = 0.6180339887498949; /* spreads points of a line best */
     double u[3], v[3], axis[3] = {0}, sum = 0;
 
     axis[fabs(at->normal[0]) < 0.7 ? 0 : 1] = 1;
@@ -220,16 +219,16 @@ static double reach_at(const placing *p, const cache_record *at)
     (void)vec_normalize(u);
     vec_cross(at->normal, u, v);
     for (int i = 0; i < PROBES; i++) {
-        const double square = (i + 0.5) / PROBES, height = sqrt(1 - square), out = sqrt(square);
         lcor_ray ray = {.t_min = SCENE_TOUCH * p->cache->scene->diameter,
                         .t_max = HUGE_VAL,
                         .skip = at->surface};
+        double d[3];
         lcor_bvh_hit hit;
 
+        random_cosine((i + 0.5) / PROBES, golden * i - floor(golden * i), d);
         vec_copy(at->x, ray.origin);
         for (int k = 0; k < 3; k++)
-            ray.direction[k] =
-                height * at->normal[k] + out * cos(turn * i) * u[k] + out * sin(turn * i) * v[k];
+            ray.direction[k] = d[0] * u[k] + d[1] * v[k] + d[2] * at->normal[k];
         if (lcor_bvh_closest(p->cache->scene->bvh, &ray, &hit))
             sum += 1 / (hit.t * PROBES);
     }
