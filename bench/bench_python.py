@@ -17,7 +17,7 @@ import lcor
 import numpy as np
 from results import best, table, write
 
-HEIGHT, WIDTH, TURNS = 4096, 4096, 16
+HEIGHT, WIDTH, TURNS = 4096, 4096, 64
 
 
 def overhead() -> dict:
