@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What a tolerance costs: engine links in the paper's room against the classical dense solver in
- * the same run, growth with the number of patches, the room with a box, the white furnace, an
- * update.
+ * the same run, growth with the number of patches, walls in pieces, the room with a box, the white
+ * furnace, an update.
  *
  *   bench_radiosity [FILE.json]
  *
@@ -258,6 +258,93 @@ static void growth(void)
     }
 }
 
+/* The paper's room, each face cut into n x n quads, or for n = 0 into two triangles. */
+static lcor_scene *room_in_pieces(int n)
+{
+    static const double rho[FACES] = {0.3, 0.8, 0.5, 0.5, 0.5, 0.5};
+    const lcor_light light = lamp(0.3);
+    lcor_scene *scene = NULL;
+    lcor_error err;
+
+    must(lcor_scene_new(NULL, &scene, &err), &err);
+    for (int k = 0; k < FACES * n * n; k++) {
+        const double *face = quads[k / (n * n)];
+        double corner[3], u[3], v[3];
+        lcor_surface look = {.patches = {(size_t)(48 / n), (size_t)(48 / n)}};
+
+        for (int c = 0; c < 3; c++) {
+            u[c] = face[3 + c] / n;
+            v[c] = face[6 + c] / n;
+            corner[c] = face[c] + k / n % n * u[c] + k % n * v[c];
+            look.reflectance[c] = rho[k / (n * n)];
+        }
+        must(lcor_scene_add_quad(scene, corner, u, v, &look, NULL, &err), &err);
+    }
+    for (int k = 0; k < (n == 0 ? 2 * FACES : 0); k++) {
+        const double *face = quads[k / 2];
+        double side[3], opposite[3];
+        lcor_surface look = {.patches = {48, 48}};
+
+        for (int c = 0; c < 3; c++) {
+            side[c] = face[c] + face[3 + 3 * (k % 2) + c];
+            opposite[c] = face[c] + face[3 + c] + face[6 + c];
+            look.reflectance[c] = rho[k / 2];
+        }
+        must(k % 2 ? lcor_scene_add_triangle(scene, face, opposite, side, &look, NULL, &err)
+                   : lcor_scene_add_triangle(scene, face, side, opposite, &look, NULL, &err),
+             &err);
+    }
+    must(lcor_scene_add_light(scene, &light, NULL, &err), &err);
+    must(lcor_scene_commit(scene, NULL, &err), &err);
+    return scene;
+}
+
+static double solving_time(const lcor_scene *scene, double tolerance)
+{
+    double best = 1e300;
+
+    for (int k = 0; k < REPEAT; k++) {
+        const lcor_radiosity_options options = {.struct_size = sizeof options,
+                                                .tolerance = tolerance};
+        lcor_solution *solution = NULL;
+        lcor_error err;
+        const double start = bench_seconds();
+
+        must(lcor_radiosity_solve(scene, &options, &solution, &err), &err);
+        best = fmin(best, bench_seconds() - start);
+        lcor_solution_free(solution);
+    }
+    return best;
+}
+
+static void pieces(void)
+{
+    static const double tolerances[] = {1e-2, 1e-3};
+    static const int cuts[] = {1, 0, 4};
+    lcor_scene *scenes[3];
+
+    for (int i = 0; i < 3; i++)
+        scenes[i] = room_in_pieces(cuts[i]);
+    report_table(
+        "Walls in pieces",
+        "The paper's room with every face as one quad, as two triangles and as 4 x 4 quads: "
+        "milliseconds to solve, and times that of the first.",
+        "\"tolerance\", \"quads, ms\", \"two triangles\", \"times\", \"4 x 4 quads\", "
+        "\"times \"");
+    for (int k = 0; k < 2; k++) {
+        double out[6] = {tolerances[k], 0, 0, 0, 0, 0};
+
+        out[1] = 1e3 * solving_time(scenes[0], tolerances[k]);
+        for (int i = 1; i < 3; i++) {
+            out[2 * i] = 1e3 * solving_time(scenes[i], tolerances[k]);
+            out[2 * i + 1] = out[2 * i] / out[1];
+        }
+        report_row(out, 6);
+    }
+    for (int i = 0; i < 3; i++)
+        lcor_scene_free(scenes[i]);
+}
+
 static void box(double *values)
 {
     static const double tolerances[] = {1e-2, 3e-3};
@@ -337,6 +424,7 @@ int main(int argc, char **argv)
         return 1;
     against_dense(values);
     growth();
+    pieces();
     box(values);
     furnace(values);
     update();

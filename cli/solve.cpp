@@ -85,6 +85,8 @@ Json report_json(const Scene &scene, const lcor_solution *solution)
             {"pairs_apart", report->pairs_apart},
             {"pairs_open", report->pairs_open},
             {"pairs_tested", report->pairs_tested},
+            {"surfaces_merged", report->surfaces_merged},
+            {"merged_into", report->merged_into},
             {"surfaces", scene.surfaces.size()},
             {"triangles", scene.triangles},
             {"triangles_without_area", scene.dropped},

@@ -77,6 +77,8 @@ static nb::dict report(const Solution &self)
     d["pairs_apart"] = r->pairs_apart;
     d["pairs_open"] = r->pairs_open;
     d["pairs_tested"] = r->pairs_tested;
+    d["surfaces_merged"] = r->surfaces_merged;
+    d["merged_into"] = r->merged_into;
     return d;
 }
 

@@ -11,7 +11,7 @@
 
 /* Links: of a pair of faces at 1 %, and for each blocker as part of that. */
 static const double pair_seconds = 9e-5, blocker_share = 4.7, links_power = 0.8;
-/* More surfaces than this are not compared pair by pair, nor would links be the better engine. */
+/* More shapes than this are not compared pair by pair, nor would links be the better engine. */
 enum { PAIRED_MOST = 512 };
 /* Gather: at any tolerance, at 1 %, and by how many surfaces that doubles. */
 static const double gather_start = 0.05, gather_seconds = 0.25, gather_power = 1.8;
@@ -35,14 +35,19 @@ static int reaches(const lcor_scene *scene, const scene_surface *of, const scene
     return 0;
 }
 
+static const scene_surface *nth_shape(const lcor_scene *scene, size_t i)
+{
+    return scene_shape_at(scene, ((const uint32_t *)scene->shapes.items)[i]);
+}
+
 /* Pairs of sides that are before each other, each way counted. A side is one that reflects. */
 static double count_pairs(const lcor_scene *scene)
 {
     double pairs = 0;
 
-    for (size_t i = 0; i < scene->surfaces.count; i++)
-        for (size_t j = i + 1; j < scene->surfaces.count; j++) {
-            const scene_surface *a = scene_surface_at(scene, i), *b = scene_surface_at(scene, j);
+    for (size_t i = 0; i < scene->shapes.count; i++)
+        for (size_t j = i + 1; j < scene->shapes.count; j++) {
+            const scene_surface *a = nth_shape(scene, i), *b = nth_shape(scene, j);
             const int of_a =
                 reaches(scene, b, a, 1) + (a->look.two_sided && reaches(scene, b, a, -1));
             const int of_b =
@@ -53,7 +58,7 @@ static double count_pairs(const lcor_scene *scene)
     return pairs;
 }
 
-/* Solids and surfaces with something on both sides: those can hide. */
+/* Solids and shapes with something on both sides: those can hide. */
 static double count_blockers(const lcor_scene *scene)
 {
     const uint32_t *blockers = scene->blockers.items;
@@ -67,9 +72,9 @@ static double count_blockers(const lcor_scene *scene)
              k++) {
             int before = 0, behind = 0;
 
-            for (size_t j = 0; j < scene->surfaces.count && !(before && behind); j++) {
-                before |= reaches(scene, scene_surface_at(scene, j), part, 1);
-                behind |= reaches(scene, scene_surface_at(scene, j), part, -1);
+            for (size_t j = 0; j < scene->shapes.count && !(before && behind); j++) {
+                before |= reaches(scene, nth_shape(scene, j), part, 1);
+                behind |= reaches(scene, nth_shape(scene, j), part, -1);
             }
             hides = before && behind;
         }
@@ -87,7 +92,7 @@ void engine_costs(const lcor_scene *scene, double tolerance, double *links, doub
         *gather = gather_start +
                   gather_seconds * (1 + surfaces / gather_doubles) * pow(finer, gather_power);
     *links = HUGE_VAL;
-    if (scene->surfaces.count <= PAIRED_MOST)
+    if (scene->shapes.count <= PAIRED_MOST)
         *links = pair_seconds * count_pairs(scene) *
                  (1 + (scene->convex ? 0 : blocker_share * count_blockers(scene))) *
                  pow(finer, links_power);

@@ -35,12 +35,13 @@ static void axis_values(double leaf0, double leaf_size, size_t k, size_t n, lcor
     }
 }
 
-/* A range of rows and all columns of a quad's patches. */
+/* A range of rows and all columns of a quad's patches, and a face's place on the quad. */
 typedef struct grid {
     const links *l;
     size_t nu, nv, row0, row1;
     lcor_value value;
     double *out;
+    cell place;
 } grid;
 
 static size_t clamp_index(double x, size_t n)
@@ -48,11 +49,11 @@ static size_t clamp_index(double x, size_t n)
     return x <= 0 ? 0 : x >= (double)n ? n : (size_t)x;
 }
 
-static void add_leaf(const grid *g, const face *f, const links_element *e, size_t element)
+static void add_leaf(const grid *g, const links_element *e, size_t element)
 {
     const int channels = g->l->channels;
-    const double s0 = f->s0 + e->c.s0 * f->hs, hs = e->c.hs * f->hs;
-    const double t0 = f->t0 + e->c.t0 * f->ht, ht = e->c.ht * f->ht;
+    const double s0 = g->place.s0 + e->c.s0 * g->place.hs, hs = e->c.hs * g->place.hs;
+    const double t0 = g->place.t0 + e->c.t0 * g->place.ht, ht = e->c.ht * g->place.ht;
     const double touch = 1e-9;
     size_t i0 = clamp_index(floor(s0 * (double)g->nu + touch), g->nu);
     size_t i1 = clamp_index(ceil((s0 + hs) * (double)g->nu - touch), g->nu);
@@ -93,19 +94,21 @@ static void add_leaf(const grid *g, const face *f, const links_element *e, size_
     }
 }
 
-static void add_tree(const grid *g, const face *f, size_t element)
+static void add_tree(const grid *g, size_t element)
 {
     const links_element *e = links_at(g->l, element);
-    const double s0 = f->s0 + e->c.s0 * f->hs, s1 = s0 + e->c.hs * f->hs;
+    const double s0 = g->place.s0 + e->c.s0 * g->place.hs, s1 = s0 + e->c.hs * g->place.hs;
+    const double t0 = g->place.t0 + e->c.t0 * g->place.ht, t1 = t0 + e->c.ht * g->place.ht;
 
-    if (s1 * (double)g->nu < (double)g->row0 || s0 * (double)g->nu > (double)g->row1)
+    if (s1 * (double)g->nu < (double)g->row0 || s0 * (double)g->nu > (double)g->row1 || t1 < 0 ||
+        t0 > 1)
         return;
     if (e->child < 0) {
-        add_leaf(g, f, e, element);
+        add_leaf(g, e, element);
         return;
     }
-    add_tree(g, f, (size_t)e->child);
-    add_tree(g, f, (size_t)e->child + 1);
+    add_tree(g, (size_t)e->child);
+    add_tree(g, (size_t)e->child + 1);
 }
 
 /* A convex polygon in a face's affine coordinates. */
@@ -206,7 +209,7 @@ static void add_average(const links *l, const scene_surface *s, size_t surface,
 
         area2 += p->s[c] * p->t[d] - p->s[d] * p->t[c];
     }
-    for (size_t i = l->first_face[2 * surface]; i < l->first_face[2 * surface + 1]; i++) {
+    for (size_t i = l->sides[2 * surface].begin; i < l->sides[2 * surface].end; i++) {
         const face *f = (const face *)l->faces.items + i;
         polygon q = {p->corner_count, {{0}}};
         double part[3] = {0};
@@ -239,12 +242,11 @@ static void add_average(const links *l, const scene_surface *s, size_t surface,
 static const face *face_at(const links *l, size_t surface, int back, const double x[3], double *s,
                            double *t)
 {
-    const size_t begin = l->first_face[2 * surface + (size_t)back];
-    const size_t end = l->first_face[2 * surface + (size_t)back + 1];
+    const face_range *side = &l->sides[2 * surface + (size_t)back];
     const face *best = NULL;
     double least = HUGE_VAL;
 
-    for (size_t i = begin; i < end; i++) {
+    for (size_t i = side->begin; i < side->end; i++) {
         const face *f = (const face *)l->faces.items + i;
         double a, b, out;
 
@@ -271,10 +273,12 @@ static void add_at(const links *l, const face *f, double s, double t, double *ou
         out[c] += rule_interpolate(links_channel(l, &l->irradiance, leaf, c), at_s, at_t);
 }
 
-static int all_aligned(const links *l, size_t surface)
+static int all_in_quad(const links *l, const scene_surface *s, const face_range *side)
 {
-    for (size_t i = l->first_face[2 * surface]; i < l->first_face[2 * surface + 1]; i++)
-        if (!((const face *)l->faces.items)[i].aligned)
+    cell place;
+
+    for (size_t i = side->begin; i < side->end; i++)
+        if (!face_in_quad((const face *)l->faces.items + i, s, &place))
             return 0;
     return 1;
 }
@@ -283,16 +287,18 @@ void links_patches(const links *l, size_t surface, lcor_value value, size_t firs
                    double *out)
 {
     const scene_surface *s = scene_surface_at(l->scene, surface);
+    const face_range *side = &l->sides[2 * surface];
 
-    if (all_aligned(l, surface)) {
+    if (all_in_quad(l, s, side)) {
         const size_t nu = s->look.patches[0] ? s->look.patches[0] : 1;
         const size_t nv = s->look.patches[1] ? s->look.patches[1] : 1;
-        const grid g = {l, nu, nv, first / nv, (first + count) / nv, value, out};
+        grid g = {l, nu, nv, first / nv, (first + count) / nv, value, out, {0, 0, 0, 0}};
 
-        for (size_t i = l->first_face[2 * surface]; i < l->first_face[2 * surface + 1]; i++) {
+        for (size_t i = side->begin; i < side->end; i++) {
             const face *f = (const face *)l->faces.items + i;
 
-            add_tree(&g, f, (size_t)f->root);
+            (void)face_in_quad(f, s, &g.place);
+            add_tree(&g, (size_t)f->root);
         }
         return;
     }

@@ -9,8 +9,11 @@
 
 enum { PIECES_MAX = 256, CORNERS_MAX = LCOR_CLIP_MAX };
 
-/* Without a finer patch grid, elements may shrink to this part of the surface. */
+/* Without a finer patch grid, elements may shrink to this part of the shape. */
 static const double grid_floor = 1.0 / 64;
+
+/* Edge coordinates that are the same. */
+static const double snap = 1e-9;
 
 typedef struct piece {
     size_t n;
@@ -122,9 +125,9 @@ static void cut(piece *pieces, size_t *count, const double normal[3], const doub
     }
 }
 
-/* Cuts the pieces of surface s where surface t meets its plane. */
-static void cut_along(const lcor_scene *scene, const scene_surface *s, const scene_surface *t,
-                      piece *pieces, size_t *count)
+/* Cuts the pieces of shape s where shape t meets its plane. */
+static void cut_along(const lcor_scene *scene, const scene_surface *s, int two_sided,
+                      const scene_surface *t, piece *pieces, size_t *count)
 {
     const double touch = SCENE_TOUCH * scene->diameter;
     const double *p = scene_corners(scene, t);
@@ -136,7 +139,7 @@ static void cut_along(const lcor_scene *scene, const scene_surface *s, const sce
 
         vec_sub(p + 3 * i, s->origin, d);
         height[i] = vec_dot(d, s->normal);
-        above = fmax(above, s->look.two_sided ? fabs(height[i]) : height[i]);
+        above = fmax(above, two_sided ? fabs(height[i]) : height[i]);
     }
     if (above <= -touch)
         return;
@@ -216,39 +219,43 @@ static int add_face(const lcor_allocator *allocator, lcor_array *faces, const sc
 static int add_aligned(const lcor_allocator *allocator, lcor_array *faces, const scene_surface *q,
                        uint32_t surface, const piece *p, int *done)
 {
-    const double snap = 1e-9;
-    double s[4], t[4], s0 = 1, s1 = 0, t0 = 1, t1 = 0, o[3], u[3], v[3];
-    size_t before = faces->count;
+    double s[4], t[4], s0 = 1, s1 = 0, t0 = 1, t1 = 0, o[3], b[3], c[3];
 
     *done = 0;
-    for (size_t i = 0; i < 4 && p->n == 4; i++) {
+    if (q->shape != SCENE_QUAD || p->n != 4)
+        return 1;
+    for (size_t i = 0; i < 4; i++) {
         lcor_scene_coordinates(q, p->p[i], &s[i], &t[i]);
         s0 = fmin(s0, s[i]);
         s1 = fmax(s1, s[i]);
         t0 = fmin(t0, t[i]);
         t1 = fmax(t1, t[i]);
     }
-    for (size_t i = 0; i < 4 && p->n == 4; i++)
+    for (size_t i = 0; i < 4; i++)
         if (fmin(s[i] - s0, s1 - s[i]) > snap || fmin(t[i] - t0, t1 - t[i]) > snap)
             return 1;
-    if (q->shape != SCENE_QUAD || p->n != 4)
-        return 1;
-    vec_plane_point(q->origin, q->edge_u, q->edge_v, s0, t0, o);
-    vec_plane_point(o, q->edge_u, q->edge_v, s1 - s0, 0, u);
-    vec_plane_point(o, q->edge_u, q->edge_v, 0, t1 - t0, v);
-    if (!add_face(allocator, faces, q, surface, 0, o, u, v, 0))
-        return 0;
-    if (faces->count > before) {
-        face *f = (face *)faces->items + before;
-
-        f->aligned = 1;
-        f->s0 = s0;
-        f->t0 = t0;
-        f->hs = s1 - s0;
-        f->ht = t1 - t0;
-    }
     *done = 1;
-    return 1;
+    vec_plane_point(q->origin, q->edge_u, q->edge_v, s0, t0, o);
+    vec_plane_point(o, q->edge_u, q->edge_v, s1 - s0, 0, b);
+    vec_plane_point(o, q->edge_u, q->edge_v, 0, t1 - t0, c);
+    return add_face(allocator, faces, q, surface, 0, o, b, c, 0);
+}
+
+int face_in_quad(const face *f, const scene_surface *quad, cell *out)
+{
+    double p[3], q[3], su, tu, sv, tv;
+
+    if (f->triangle || quad->shape != SCENE_QUAD)
+        return 0;
+    vec_add_scaled(f->origin, 1, f->u, p);
+    vec_add_scaled(f->origin, 1, f->v, q);
+    lcor_scene_coordinates(quad, f->origin, &out->s0, &out->t0);
+    lcor_scene_coordinates(quad, p, &su, &tu);
+    lcor_scene_coordinates(quad, q, &sv, &tv);
+    out->hs = su - out->s0;
+    out->ht = tv - out->t0;
+    return out->hs > 0 && out->ht > 0 && fabs(sv - out->s0) <= snap * out->hs &&
+           fabs(tu - out->t0) <= snap * out->ht;
 }
 
 static int is_parallelogram(const piece *q, double touch)
@@ -289,47 +296,143 @@ static double patch_size(const scene_surface *s)
 
 /* At a corner of a room irradiance has no limit, so splitting must end somewhere: at leaves of two
  * to four patches, with a node or two a patch. */
-static double finest_of(const scene_surface *s)
+static double finest_of(const scene_surface *s, double patch)
 {
-    return 4 * fmin(patch_size(s), grid_floor * fmin(vec_length(s->edge_u), vec_length(s->edge_v)));
+    return 4 * fmin(patch, grid_floor * fmin(vec_length(s->edge_u), vec_length(s->edge_v)));
 }
 
-static int build_surface(const lcor_scene *scene, const lcor_allocator *allocator, size_t index,
-                         piece *pieces, lcor_array *faces, size_t *first)
+/* What face_build works on. */
+typedef struct builder {
+    const lcor_scene *scene;
+    const lcor_allocator *allocator;
+    lcor_array *faces;
+    piece *pieces;
+} builder;
+
+/* The faces of a shape, which belong to `surface`, on both sides. */
+static int build_shape(const builder *b, uint32_t id, const scene_surface *s, uint32_t surface,
+                       double patch, face_range sides[2])
 {
-    const scene_surface *s = scene_surface_at(scene, index);
+    const lcor_scene *scene = b->scene;
+    const lcor_surface *look = &scene_surface_at(scene, surface)->look;
     const double touch = SCENE_TOUCH * scene->diameter;
-    const size_t start = faces->count;
     size_t count = 1;
 
-    pieces[0].n = s->corner_count;
-    memcpy(pieces[0].p, scene_corners(scene, s), s->corner_count * sizeof pieces[0].p[0]);
-    for (size_t j = 0; j < scene->surfaces.count && !scene->convex; j++)
-        if (j != index)
-            cut_along(scene, s, scene_surface_at(scene, j), pieces, &count);
-    for (int back = 0; back < 2; back++) {
-        first[2 * index + (size_t)back] = faces->count;
-        for (size_t i = 0; i < count && (!back || s->look.two_sided); i++)
-            if (!add_piece(allocator, faces, s, (uint32_t)index, back, &pieces[i], touch))
-                return 0;
+    b->pieces[0].n = s->corner_count;
+    memcpy(b->pieces[0].p, scene_corners(scene, s), s->corner_count * sizeof b->pieces[0].p[0]);
+    for (size_t j = 0; j < scene->shapes.count && !scene->convex; j++) {
+        const uint32_t other = ((const uint32_t *)scene->shapes.items)[j];
+
+        if (other != id)
+            cut_along(scene, s, look->two_sided, scene_shape_at(scene, other), b->pieces, &count);
     }
-    for (size_t i = start; i < faces->count; i++) {
-        ((face *)faces->items)[i].finest = finest_of(s);
-        ((face *)faces->items)[i].patch = patch_size(s);
+    for (int back = 0; back < 2; back++) {
+        sides[back].begin = b->faces->count;
+        for (size_t i = 0; i < count && (!back || look->two_sided); i++)
+            if (!add_piece(b->allocator, b->faces, s, surface, back, &b->pieces[i], touch))
+                return 0;
+        sides[back].end = b->faces->count;
+    }
+    for (size_t i = sides[0].begin; i < sides[1].end; i++) {
+        ((face *)b->faces->items)[i].finest = finest_of(s, patch);
+        ((face *)b->faces->items)[i].patch = patch;
     }
     return 1;
 }
 
+static const uint32_t *members_of(const lcor_scene *scene, const scene_sheet *sheet)
+{
+    return (const uint32_t *)scene->sheet_members.items + sheet->first_member;
+}
+
+/* Whether the surfaces of a sheet still look alike. */
+static int is_uniform(const lcor_scene *scene, const scene_sheet *sheet)
+{
+    const uint32_t *member = members_of(scene, sheet);
+
+    for (size_t i = 1; i < sheet->member_count; i++)
+        if (!lcor_scene_look_alike(&scene_surface_at(scene, member[0])->look,
+                                   &scene_surface_at(scene, member[i])->look))
+            return 0;
+    return 1;
+}
+
+static int build_sheet(const builder *b, uint32_t id, const scene_sheet *sheet, face_range *sides)
+{
+    const lcor_scene *scene = b->scene;
+    const uint32_t *member = members_of(scene, sheet);
+    const int uniform = is_uniform(scene, sheet);
+    double patch = HUGE_VAL;
+
+    for (size_t i = 0; i < sheet->member_count; i++) {
+        const scene_surface *s = scene_surface_at(scene, member[i]);
+
+        patch = fmin(patch, patch_size(s));
+        if (!uniform &&
+            !build_shape(b, id, s, member[i], patch_size(s), sides + 2 * (size_t)member[i]))
+            return 0;
+    }
+    if (uniform &&
+        !build_shape(b, id, &sheet->shape, member[0], patch, sides + 2 * (size_t)member[0]))
+        return 0;
+    for (size_t i = 1; uniform && i < sheet->member_count; i++)
+        memcpy(sides + 2 * (size_t)member[i], sides + 2 * (size_t)member[0], 2 * sizeof *sides);
+    return 1;
+}
+
 int face_build(const lcor_scene *scene, const lcor_allocator *allocator, lcor_array *faces,
-               size_t *first)
+               face_range *sides)
 {
     lcor_array scratch = {0};
-    piece *pieces = lcor_array_reserve(allocator, &scratch, PIECES_MAX, sizeof *pieces);
-    int good = pieces != NULL;
+    const builder b = {scene, allocator, faces,
+                       lcor_array_reserve(allocator, &scratch, PIECES_MAX, sizeof(piece))};
+    int good = b.pieces != NULL;
 
-    for (size_t i = 0; good && i < scene->surfaces.count; i++)
-        good = build_surface(scene, allocator, i, pieces, faces, first);
-    first[2 * scene->surfaces.count] = faces->count;
+    for (size_t i = 0; good && i < scene->shapes.count; i++) {
+        const uint32_t id = ((const uint32_t *)scene->shapes.items)[i];
+        const scene_sheet *sheet = scene_sheet_of(scene, id);
+        const scene_surface *s = scene_shape_at(scene, id);
+
+        good = sheet ? build_sheet(&b, id, sheet, sides)
+                     : build_shape(&b, id, s, id, patch_size(s), sides + 2 * (size_t)id);
+    }
     lcor_array_clear(allocator, &scratch);
     return good;
+}
+
+/* Whether the surfaces of a sheet have their faces in common. */
+static int is_merged(const lcor_scene *scene, const scene_sheet *sheet, const face_range *sides)
+{
+    const uint32_t *member = members_of(scene, sheet);
+
+    return sides[2 * (size_t)member[0]].begin == sides[2 * (size_t)member[1]].begin;
+}
+
+int face_still_holds(const lcor_scene *scene, const face_range *sides)
+{
+    for (size_t i = 0; i < scene->surfaces.count; i++)
+        if ((sides[2 * i + 1].end > sides[2 * i + 1].begin) !=
+            (scene_surface_at(scene, i)->look.two_sided != 0))
+            return 0;
+    for (size_t i = 0; i < scene->sheets.count; i++) {
+        const scene_sheet *sheet = (const scene_sheet *)scene->sheets.items + i;
+
+        if (is_merged(scene, sheet, sides) != is_uniform(scene, sheet))
+            return 0;
+    }
+    return 1;
+}
+
+void face_count_merged(const lcor_scene *scene, const face_range *sides, uint64_t *surfaces,
+                       uint64_t *into)
+{
+    *surfaces = *into = 0;
+    for (size_t i = 0; i < scene->sheets.count; i++) {
+        const scene_sheet *sheet = (const scene_sheet *)scene->sheets.items + i;
+
+        if (is_merged(scene, sheet, sides)) {
+            *surfaces += sheet->member_count;
+            ++*into;
+        }
+    }
 }

@@ -16,24 +16,37 @@ typedef struct face {
      * these two, and the length of the line at s = 1. */
     double along[3], across[3], u_along, u_across, line;
     int triangle;
-    uint32_t surface;
-    int back;      /* 1: the side away from the surface's normal */
-    double patch;  /* shorter edge of the surface's patches */
-    double finest; /* elements are not split below this edge length */
-    int aligned;   /* a rectangle, below, of its quad's (s, t), same directions */
-    double s0, t0, hs, ht;
-    int32_t root; /* element */
+    uint32_t surface; /* of a sheet: the first one */
+    int back;         /* 1: the side away from the surface's normal */
+    double patch;     /* shorter edge of the surface's patches */
+    double finest;    /* elements are not split below this edge length */
+    int32_t root;     /* element */
 } face;
 
 typedef struct cell { /* a rectangle of a face's square */
     double s0, t0, hs, ht;
 } cell;
 
-/* Appends the faces of every surface: cut along lines where other surfaces touch or cross it,
- * since irradiance jumps there. Returns 0 if there is no memory. `first` gets, for surface i and
- * side b, the first face at 2 i + b, and a last entry. */
+/* The faces of a surface's side. The surfaces of a sheet have them in common. */
+typedef struct face_range {
+    size_t begin, end;
+} face_range;
+
+/* Appends the faces of every sheet whose surfaces still look alike and of every other surface: cut
+ * along lines where other shapes touch or cross it, since irradiance jumps there. Returns 0 if
+ * there is no memory. `sides` gets those of surface i, side b, at 2 i + b. */
 int face_build(const lcor_scene *scene, const lcor_allocator *allocator, lcor_array *faces,
-               size_t *first);
+               face_range *sides);
+
+/* Whether they would be the same after looks have changed. */
+int face_still_holds(const lcor_scene *scene, const face_range *sides);
+
+/* How many surfaces have the faces of sheets, and how many sheets these are. */
+void face_count_merged(const lcor_scene *scene, const face_range *sides, uint64_t *surfaces,
+                       uint64_t *into);
+
+/* The rectangle of a quad's (s, t) that the face is; 0 if it is none in the same directions. */
+int face_in_quad(const face *f, const scene_surface *quad, cell *out);
 
 void face_point(const face *f, double s, double t, double out[3]);
 void face_coordinates(const face *f, const double x[3], double *s, double *t);

@@ -63,7 +63,7 @@ struct links {
     int channels;
     links_shadow *shadows;                    /* of face f and light i at f * lights + i */
     lcor_array faces;                         /* face */
-    size_t *first_face;                       /* per surface and side */
+    face_range *sides;                        /* of face_build */
     lcor_array elements;                      /* links_element */
     lcor_array list;                          /* links_link, by receiver once built */
     lcor_array blocks;                        /* links_block */

@@ -90,6 +90,7 @@ static lcor_status prepare(lcor_solution *s, lcor_error *err)
         return lcor_internal_fail(err, LCOR_ERR_DOMAIN, -1,
                                   "radiosity: %lu faces are too many for engine links (%lu)",
                                   (unsigned long)l->faces.count, (unsigned long)faces_max);
+    face_count_merged(l->scene, l->sides, &s->report.surfaces_merged, &s->report.merged_into);
     return LCOR_OK;
 }
 
@@ -106,18 +107,24 @@ static void describe(lcor_solution *s)
     const lcor_scene *scene = s->scene;
     const links *l = (const links *)s->state;
     size_t open = 0, partial = 0;
+    char merged[64] = "";
 
     for (size_t i = 0; i < scene->lights.count; i++)
         open += s->lights.open[i];
     for (size_t i = 0; i < l->list.count; i++)
         partial += ((const links_link *)l->list.items)[i].occluder_count > 0;
-    (void)snprintf(s->report.models, sizeof s->report.models,
-                   "links of order %d; %s; %lu of %lu links clipped; shadows of %lu of %lu lights; "
-                   "%d channel%s",
-                   RULE_P, scene->convex ? "convex, no visibility tests" : "exact visibility",
-                   (unsigned long)partial, (unsigned long)l->list.count,
-                   (unsigned long)(scene->lights.count - open), (unsigned long)scene->lights.count,
-                   s->report.channels, s->report.channels == 1 ? "" : "s");
+    if (s->report.surfaces_merged > 0)
+        (void)snprintf(merged, sizeof merged, "%lu coplanar surfaces merged into %lu; ",
+                       (unsigned long)s->report.surfaces_merged,
+                       (unsigned long)s->report.merged_into);
+    (void)snprintf(
+        s->report.models, sizeof s->report.models,
+        "links of order %d; %s%s; %lu of %lu links clipped; shadows of %lu of %lu lights; "
+        "%d channel%s",
+        RULE_P, merged, scene->convex ? "convex, no visibility tests" : "exact visibility",
+        (unsigned long)partial, (unsigned long)l->list.count,
+        (unsigned long)(scene->lights.count - open), (unsigned long)scene->lights.count,
+        s->report.channels, s->report.channels == 1 ? "" : "s");
 }
 
 /* Refine, solve, measure; tighten until the estimate is within the tolerance. */
@@ -174,9 +181,14 @@ stopped:
 
 static lcor_status relight(lcor_solution *s, lcor_error *err)
 {
-    return links_relight((links *)s->state)
-               ? LCOR_OK
-               : lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "update: no memory");
+    links *l = (links *)s->state;
+
+    if (!face_still_holds(l->scene, l->sides)) {
+        release(s);
+        return prepare(s, err);
+    }
+    return links_relight(l) ? LCOR_OK
+                            : lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "update: no memory");
 }
 
 static void patches(const lcor_solution *s, size_t surface, lcor_value value, size_t first,

@@ -86,8 +86,8 @@ static void add_box(shaft *s, const region *a, const region *b)
 
 const uint32_t *occluders_of(const lcor_scene *scene, int single, size_t *count)
 {
-    *count = single ? scene->surfaces.count : scene->blockers.count;
-    return single ? NULL : scene->blockers.items;
+    *count = single ? scene->shapes.count : scene->blockers.count;
+    return single ? scene->shapes.items : scene->blockers.items;
 }
 
 static int behind(const lcor_scene *scene, const scene_surface *o, const double point[3],
@@ -203,7 +203,7 @@ long occluders_between(const lcor_scene *scene, const region *a, const region *b
     add_edge_planes(&s, a, b, touch);
     add_edge_planes(&s, b, a, touch);
     for (size_t i = 0; i < count; i++) {
-        const uint32_t id = in ? in[i] : (uint32_t)i;
+        const uint32_t id = in[i];
 
         if (outside(&s, scene, id, touch))
             continue;
@@ -261,7 +261,7 @@ long occluders_of_light(const lcor_scene *scene, const lcor_light *light, const 
         add_plane(&s, a->corners[i], normal, vec_dot(d, normal) > 0 ? -1 : 1);
     }
     for (size_t i = 0; i < count; i++) {
-        const uint32_t id = in ? in[i] : (uint32_t)i;
+        const uint32_t id = in[i];
 
         if (outside(&s, scene, id, touch))
             continue;

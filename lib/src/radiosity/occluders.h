@@ -11,12 +11,11 @@ typedef struct region { /* a cell of a face as four corners and its normal */
 
 enum { OCCLUDERS_BLOCK = -1, OCCLUDERS_CROWD = -2 };
 
-/* Everything that may hide something: the scene's blockers, or with `single` every surface by
- * itself, as what lies inside a solid or on the inner side of its hull sees them. `occluders_of`
- * returns NULL for the latter. */
+/* Everything that may hide something: the scene's blockers, or with `single` every shape by itself,
+ * as what lies inside a solid or on the inner side of its hull sees them. */
 const uint32_t *occluders_of(const lcor_scene *scene, int single, size_t *count);
 
-/* Filters `in` (NULL: all surfaces, count of them) to what may stand between a and b, which face
+/* Filters `in` to what may stand between a and b, which face
  * each other. Returns how many, OCCLUDERS_BLOCK if one of them hides all of b from all of a, or
  * OCCLUDERS_CROWD if there are more than `room`. */
 long occluders_between(const lcor_scene *scene, const region *a, const region *b,

@@ -259,7 +259,7 @@ static int refine(links *l, links_link p)
     return 1;
 }
 
-/* The list of all that may hide something, blockers or single surfaces, as a pair starts with. */
+/* The list of all that may hide something, blockers or single shapes, as a pair starts with. */
 static int list_all(links *l, int single, links_link *p)
 {
     size_t count;
@@ -269,7 +269,7 @@ static int list_all(links *l, int single, links_link *p)
     if (!out)
         return 0;
     for (size_t i = 0; i < count; i++)
-        out[i] = in ? in[i] : (uint32_t)i;
+        out[i] = in[i];
     p->first_occluder = (uint32_t)l->occluders.count;
     p->occluder_count = (uint32_t)count;
     l->occluders.count += count;

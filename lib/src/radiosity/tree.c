@@ -297,8 +297,8 @@ int links_init(links *l)
     const cell all = {0, 0, 1, 1};
     const size_t surfaces = l->scene->surfaces.count, lights = l->scene->lights.count;
 
-    l->first_face = lcor_internal_alloc(&l->allocator, (2 * surfaces + 1) * sizeof *l->first_face);
-    if (!l->first_face || !face_build(l->scene, &l->allocator, &l->faces, l->first_face))
+    l->sides = lcor_internal_alloc(&l->allocator, 2 * surfaces * sizeof *l->sides);
+    if (!l->sides || !face_build(l->scene, &l->allocator, &l->faces, l->sides))
         return 0;
     l->shadows = lcor_internal_alloc(&l->allocator, l->faces.count * lights * sizeof *l->shadows);
     if (!l->shadows || !find_shadows(l))
@@ -321,6 +321,6 @@ void links_clear(links *l)
 
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         lcor_array_clear(&l->allocator, arrays[i]);
-    lcor_internal_free(&l->allocator, l->first_face);
+    lcor_internal_free(&l->allocator, l->sides);
     lcor_internal_free(&l->allocator, l->shadows);
 }

@@ -239,6 +239,7 @@ static int is_convex(const lcor_scene *scene)
 lcor_status lcor_scene_commit(lcor_scene *scene, const lcor_parallel *parallel, lcor_error *err)
 {
     lcor_status status;
+    size_t corners;
 
     if (!scene)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "commit: scene is NULL");
@@ -254,10 +255,12 @@ lcor_status lcor_scene_commit(lcor_scene *scene, const lcor_parallel *parallel, 
         (void)vec_normalize(((lcor_light *)scene->lights.items)[i].direction);
     scene->diameter = diameter_of(scene);
     scene->convex = is_convex(scene);
-    if (!lcor_scene_find_solids(scene)) {
+    corners = scene->corners.count;
+    if (!lcor_scene_find_sheets(scene) || !lcor_scene_find_solids(scene)) {
+        scene->corners.count = corners; /* without the sheets' */
         lcor_bvh_free(scene->bvh);
         scene->bvh = NULL;
-        return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory for solids");
+        return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory for sheets and solids");
     }
     scene->committed = 1;
     return LCOR_OK;

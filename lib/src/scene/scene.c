@@ -34,6 +34,9 @@ void lcor_scene_free(lcor_scene *scene)
     lcor_array_clear(&scene->allocator, &scene->surfaces);
     lcor_array_clear(&scene->allocator, &scene->lights);
     lcor_array_clear(&scene->allocator, &scene->corners);
+    lcor_array_clear(&scene->allocator, &scene->sheets);
+    lcor_array_clear(&scene->allocator, &scene->sheet_members);
+    lcor_array_clear(&scene->allocator, &scene->shapes);
     lcor_array_clear(&scene->allocator, &scene->solids);
     lcor_array_clear(&scene->allocator, &scene->members);
     lcor_array_clear(&scene->allocator, &scene->planes);

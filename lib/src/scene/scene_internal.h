@@ -22,10 +22,17 @@ typedef struct scene_surface {
     lcor_surface look;
 } scene_surface;
 
-/* Surfaces that together are the hull of a convex solid, but for at most one of its sides: what
+/* Coplanar surfaces side by side whose union is a parallelogram. They looked alike when the scene
+ * was committed; lcor_scene_set_surface may have changed that. */
+typedef struct scene_sheet {
+    scene_surface shape;               /* its look is not used */
+    size_t first_member, member_count; /* in lcor_scene.sheet_members: surfaces */
+} scene_sheet;
+
+/* Shapes that together are the hull of a convex solid, but for at most one of its sides: what
  * stands in the light as one. */
 typedef struct scene_solid {
-    size_t first_member, member_count; /* in lcor_scene.members: surfaces */
+    size_t first_member, member_count; /* in lcor_scene.members: shapes */
     size_t first_plane, plane_count;   /* in lcor_scene.planes, the missing side's included */
     size_t first_edge, edge_count;     /* in lcor_scene.edges */
     double middle[3];                  /* a point inside */
@@ -51,10 +58,13 @@ struct lcor_scene {
     lcor_bvh *bvh;   /* owners are surface numbers */
     double diameter; /* of the bounding box */
     int convex;      /* no surface has anything behind it: nothing hides anything */
-    /* Blockers are what may stand in the light: surface i, or solid i - surfaces.count. */
+    /* Shape i is a surface as it was added, or sheet i - surfaces.count. */
+    lcor_array sheets, sheet_members; /* scene_sheet, uint32_t */
+    lcor_array shapes;                /* uint32_t: the sheets and every surface that is in none */
+    /* Blocker i is what may stand in the light: shape i, or behind all shapes' numbers a solid. */
     lcor_array solids, members; /* scene_solid, uint32_t */
     lcor_array planes, edges;   /* scene_plane, scene_edge */
-    lcor_array blockers;        /* uint32_t: the solids and every surface that is in none */
+    lcor_array blockers;        /* uint32_t: the solids and every shape that is in none */
 };
 
 /* Distance below which a ray's end counts as lying on a surface, as part of scene->diameter. */
@@ -65,6 +75,21 @@ struct lcor_scene {
 static inline const scene_surface *scene_surface_at(const lcor_scene *scene, size_t i)
 {
     return (const scene_surface *)scene->surfaces.items + i;
+}
+
+/* The sheet that a shape is, or NULL. */
+static inline const scene_sheet *scene_sheet_of(const lcor_scene *scene, uint32_t shape)
+{
+    return shape < scene->surfaces.count
+               ? NULL
+               : (const scene_sheet *)scene->sheets.items + (shape - scene->surfaces.count);
+}
+
+static inline const scene_surface *scene_shape_at(const lcor_scene *scene, uint32_t shape)
+{
+    const scene_sheet *sheet = scene_sheet_of(scene, shape);
+
+    return sheet ? &sheet->shape : scene_surface_at(scene, shape);
 }
 
 static inline const lcor_light *scene_light_at(const lcor_scene *scene, size_t i)
@@ -97,32 +122,38 @@ int lcor_scene_blocked(const lcor_scene *scene, const double from[3], const doub
 int lcor_scene_blocked_towards(const lcor_scene *scene, const double from[3],
                                const double direction[3], uint32_t skip, uint32_t *cache);
 
+/* sheet.c: finds the sheets and fills the shapes; 0 without memory. */
+int lcor_scene_find_sheets(lcor_scene *scene);
+
+/* Whether two looks reflect and emit the same, whatever their patches. */
+int lcor_scene_look_alike(const lcor_surface *a, const lcor_surface *b);
+
 /* solid.c: finds the solids and fills the blockers; 0 without memory. */
 int lcor_scene_find_solids(lcor_scene *scene);
 
 /* The solid that a blocker is, or NULL. */
 static inline const scene_solid *scene_solid_of(const lcor_scene *scene, uint32_t blocker)
 {
-    return blocker < scene->surfaces.count
-               ? NULL
-               : (const scene_solid *)scene->solids.items + (blocker - scene->surfaces.count);
+    const size_t shapes = scene->surfaces.count + scene->sheets.count;
+
+    return blocker < shapes ? NULL : (const scene_solid *)scene->solids.items + (blocker - shapes);
 }
 
-/* Surface k of a blocker, NULL behind the last one. */
+/* Shape k of a blocker, NULL behind the last one. */
 static inline const scene_surface *scene_blocker_part(const lcor_scene *scene, uint32_t blocker,
                                                       size_t k)
 {
     const scene_solid *solid = scene_solid_of(scene, blocker);
 
     if (!solid)
-        return k == 0 ? scene_surface_at(scene, blocker) : NULL;
+        return k == 0 ? scene_shape_at(scene, blocker) : NULL;
     return k < solid->member_count
-               ? scene_surface_at(scene,
-                                  ((const uint32_t *)scene->members.items)[solid->first_member + k])
+               ? scene_shape_at(scene,
+                                ((const uint32_t *)scene->members.items)[solid->first_member + k])
                : NULL;
 }
 
-/* Whether a point lies inside one of the solids: then only single surfaces hide anything from it.
+/* Whether a point lies inside one of the solids: then only single shapes hide anything from it.
  */
 int lcor_scene_in_solid(const lcor_scene *scene, const double point[3]);
 

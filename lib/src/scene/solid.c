@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Solids: surfaces that share edges and enclose a convex body. A straight way past it crosses two
+/* Solids: shapes that share edges and enclose a convex body. A straight way past it crosses two
  * of its sides or none, so one side may be missing, as under a box on a floor, and the body still
  * hides all that its hull covers. One outline is cheaper to clip against than every side. */
 #include "base/internal.h"
@@ -8,8 +8,8 @@
 
 #include <string.h>
 
-/* Every pair of surfaces is looked at. */
-static const size_t surfaces_max = 600;
+/* Every pair of shapes is looked at. */
+static const size_t shapes_max = 600;
 
 typedef struct search {
     lcor_scene *scene;
@@ -17,6 +17,11 @@ typedef struct search {
     const uint32_t *member; /* of the group that is judged */
     size_t count;
 } search;
+
+static uint32_t shape_id(const lcor_scene *scene, size_t i)
+{
+    return ((const uint32_t *)scene->shapes.items)[i];
+}
 
 static int same(const search *s, const double a[3], const double b[3])
 {
@@ -70,7 +75,7 @@ static double group_reach(const search *s, const scene_plane *plane, double sign
     double most = -HUGE_VAL;
 
     for (size_t i = 0; i < s->count; i++)
-        most = fmax(most, reach(s, scene_surface_at(s->scene, s->member[i]), plane, sign));
+        most = fmax(most, reach(s, scene_shape_at(s->scene, s->member[i]), plane, sign));
     return most;
 }
 
@@ -84,12 +89,12 @@ static long list_edges(const search *s)
     long count = 0;
 
     for (size_t i = 0; i < s->count; i++)
-        most += scene_surface_at(scene, s->member[i])->corner_count;
+        most += scene_shape_at(scene, s->member[i])->corner_count;
     edge = lcor_array_reserve(&scene->allocator, &scene->edges, most, sizeof *edge);
     if (!edge)
         return -1;
     for (size_t i = 0; i < s->count; i++) {
-        const scene_surface *a = scene_surface_at(scene, s->member[i]);
+        const scene_surface *a = scene_shape_at(scene, s->member[i]);
         const double *p = scene_corners(scene, a);
 
         for (size_t k = 0; k < a->corner_count; k++) {
@@ -97,7 +102,7 @@ static long list_edges(const search *s)
             size_t other = 0;
 
             while (other < s->count &&
-                   (other == i || !has_edge(s, scene_surface_at(scene, s->member[other]), q, r)))
+                   (other == i || !has_edge(s, scene_shape_at(scene, s->member[other]), q, r)))
                 other++;
             if (other < i)
                 continue; /* listed already */
@@ -162,11 +167,11 @@ static scene_plane plane_of(const scene_surface *surface)
     return plane;
 }
 
-/* Whether a surface lies outside one of the planes. */
-static int is_outside(const search *s, size_t surface, const scene_plane *planes, size_t count)
+/* Whether a shape lies outside one of the planes. */
+static int is_outside(const search *s, uint32_t shape, const scene_plane *planes, size_t count)
 {
     for (size_t i = 0; i < count; i++)
-        if (reach(s, scene_surface_at(s->scene, surface), &planes[i], -1) <= s->touch)
+        if (reach(s, scene_shape_at(s->scene, shape), &planes[i], -1) <= s->touch)
             return 1;
     return 0;
 }
@@ -185,7 +190,7 @@ static int judge(const search *s, const unsigned char *in_group)
     if (!planes || edges < 0)
         return -1;
     for (size_t i = 0; i < s->count; i++) {
-        const scene_plane plane = plane_of(scene_surface_at(scene, s->member[i]));
+        const scene_plane plane = plane_of(scene_shape_at(scene, s->member[i]));
 
         if (group_reach(s, &plane, 1) > s->touch)
             return 0;
@@ -200,28 +205,28 @@ static int judge(const search *s, const unsigned char *in_group)
     if (open && (group_reach(s, &planes[count - 1], 1) > s->touch ||
                  group_reach(s, &planes[count - 1], -1) <= s->touch))
         return 0;
-    for (size_t j = 0; j < scene->surfaces.count; j++)
-        if (!in_group[j] && !is_outside(s, j, planes, count))
+    for (size_t j = 0; j < scene->shapes.count; j++)
+        if (!in_group[j] && !is_outside(s, shape_id(scene, j), planes, count))
             return 0;
     scene->planes.count += count;
     scene->edges.count += (size_t)edges;
     return 1;
 }
 
-/* Appends to the members all surfaces that hang together with `seed` by edges. */
-static int gather(search *s, uint32_t *members, uint32_t seed, unsigned char *in_group)
+/* Fills the members with all shapes that hang together with the `seed`th by edges. */
+static int gather(search *s, uint32_t *members, size_t seed, unsigned char *in_group)
 {
-    const size_t n = s->scene->surfaces.count;
+    const lcor_scene *scene = s->scene;
 
     s->member = members;
     s->count = 1;
-    members[0] = seed;
+    members[0] = shape_id(scene, seed);
     in_group[seed] = 1;
     for (size_t i = 0; i < s->count; i++)
-        for (uint32_t j = 0; j < n; j++)
-            if (!in_group[j] && share_edge(s, scene_surface_at(s->scene, members[i]),
-                                           scene_surface_at(s->scene, j))) {
-                members[s->count++] = j;
+        for (size_t j = 0; j < scene->shapes.count; j++)
+            if (!in_group[j] && share_edge(s, scene_shape_at(scene, members[i]),
+                                           scene_shape_at(scene, shape_id(scene, j)))) {
+                members[s->count++] = shape_id(scene, j);
                 in_group[j] = 1;
             }
     return s->count > 3 && s->count < SCENE_SOLID_SIDES;
@@ -239,13 +244,14 @@ static void set_middle(const lcor_scene *scene, scene_solid *solid)
     }
 }
 
-/* One flag a surface: seen before, and in the group at hand. */
-static int find(search *s, unsigned char *seen, unsigned char *in_group, uint32_t *group)
+/* One flag a shape: seen before, in the group at hand, in a solid. */
+static int find(search *s, unsigned char *seen, unsigned char *in_group, unsigned char *in_solid,
+                uint32_t *group)
 {
     lcor_scene *scene = s->scene;
-    const size_t n = scene->surfaces.count;
+    const size_t n = scene->shapes.count;
 
-    for (uint32_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++) {
         const size_t first_plane = scene->planes.count, first_edge = scene->edges.count;
         scene_solid *solid;
         uint32_t *members;
@@ -267,6 +273,8 @@ static int find(search *s, unsigned char *seen, unsigned char *in_group, uint32_
         if (!solid || !members)
             return 0;
         memcpy(members, group, s->count * sizeof *members);
+        for (size_t j = 0; j < n; j++)
+            in_solid[j] |= in_group[j];
         *solid = (scene_solid){scene->members.count,
                                s->count,
                                first_plane,
@@ -281,38 +289,38 @@ static int find(search *s, unsigned char *seen, unsigned char *in_group, uint32_
     return 1;
 }
 
-static int list_blockers(lcor_scene *scene, unsigned char *in_solid)
+static int list_blockers(lcor_scene *scene, const unsigned char *in_solid)
 {
-    const size_t n = scene->surfaces.count, solids = scene->solids.count;
+    const size_t n = scene->shapes.count, solids = scene->solids.count;
+    const size_t first_solid = scene->surfaces.count + scene->sheets.count;
     uint32_t *out =
         lcor_array_reserve(&scene->allocator, &scene->blockers, n + solids, sizeof *out);
 
     if (!out)
         return 0;
-    memset(in_solid, 0, n);
-    for (size_t i = 0; i < scene->members.count; i++)
-        in_solid[((const uint32_t *)scene->members.items)[i]] = 1;
-    for (size_t i = 0; i < n + solids; i++)
-        if (i >= n || !in_solid[i])
-            out[scene->blockers.count++] = (uint32_t)i;
+    for (size_t i = 0; i < n; i++)
+        if (!in_solid[i])
+            out[scene->blockers.count++] = shape_id(scene, i);
+    for (size_t i = 0; i < solids; i++)
+        out[scene->blockers.count++] = (uint32_t)(first_solid + i);
     return 1;
 }
 
 int lcor_scene_find_solids(lcor_scene *scene)
 {
-    const size_t n = scene->surfaces.count;
+    const size_t n = scene->shapes.count;
     search s = {scene, SCENE_TOUCH * scene->diameter, NULL, 0};
-    unsigned char *flags = lcor_internal_alloc(&scene->allocator, 2 * n);
+    unsigned char *flags = lcor_internal_alloc(&scene->allocator, 3 * n);
     uint32_t *group = lcor_internal_alloc(&scene->allocator, n * sizeof *group);
     int good = flags && group;
 
     scene->solids.count = scene->members.count = 0;
     scene->planes.count = scene->edges.count = scene->blockers.count = 0;
     if (good)
-        memset(flags, 0, 2 * n);
-    if (good && !scene->convex && n <= surfaces_max)
-        good = find(&s, flags, flags + n, group);
-    good = good && list_blockers(scene, flags);
+        memset(flags, 0, 3 * n);
+    if (good && !scene->convex && n <= shapes_max)
+        good = find(&s, flags, flags + n, flags + 2 * n, group);
+    good = good && list_blockers(scene, flags + 2 * n);
     lcor_internal_free(&scene->allocator, flags);
     lcor_internal_free(&scene->allocator, group);
     return good;
