@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* The portable core of liblcor (base, colour, adapt, correct, profile) on any processor: golden
  * vectors against their tolerances, then hashes of what every kind of row gives for the same float
- * input. All lines but those that begin with '#' must be the same on every port. */
+ * input, the same from every instruction set that the processor has. All lines but those that begin
+ * with '#' must be the same on every port. */
 #include "port.h"
+
+#include "correct/internal.h"
 
 #include <lcor/adapt.h>
 #include <lcor/colour.h>
@@ -139,6 +142,7 @@ static double random_unit(void)
 
 static double texels[3 * PIXELS]; /* room for any sample type */
 static double corrected[3 * PIXELS];
+static double corrected_again[3 * PIXELS];
 static float light[PIXELS];
 static const size_t sample_size[] = {4, 8, 1, 2}; /* by lcor_sample */
 
@@ -155,6 +159,23 @@ static void make_texels(lcor_sample type)
                            : type == LCOR_U8  ? (const void *)&u8
                                               : (const void *)&u16;
         memcpy(bytes + i * sample_size[type], from, sample_size[type]);
+    }
+}
+
+/* Kernels other than the one that plans choose give the same row. */
+static void check_kernels(lcor_plan *plan, size_t size)
+{
+    const lcor_kernel *kernel;
+
+    for (size_t v = 1; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
+        plan->kernel = kernel;
+        lcor_correct_row(plan, 0, PIXELS, texels, light, NULL, corrected_again, NULL);
+        if (memcmp(corrected, corrected_again, size) != 0) {
+            port_write("# other bytes from the kernel ");
+            port_write(kernel->name);
+            port_write("\n");
+            failures++;
+        }
     }
 }
 
@@ -192,6 +213,7 @@ static void check_row(const char *name, lcor_sample in, lcor_sample out, lcor_re
     const size_t used = port_stack_used();
     *stack = used > *stack ? used : *stack;
     failures += allocations != before;
+    check_kernels(plan, 3 * PIXELS * sample_size[out]);
     line("row", name, hash(corrected, 3 * PIXELS * sample_size[out]), 16);
     line("row", "pixels too dark, too light, outside the gamut",
          stats.clipped_low * 1000000 + stats.clipped_high * 1000 + stats.out_of_gamut, 10);
@@ -277,6 +299,9 @@ static void check_profile(void)
 
 int main(void)
 {
+    port_write("# kernel ");
+    port_write(lcor_internal_kernel(0)->name);
+    port_write("\n");
     check_golden();
     check_rows();
     check_mean();
