@@ -15,8 +15,10 @@ namespace cli
 namespace
 {
 
-enum { CHUNK_ROWS = 8, CURVE_STEPS = 65536 };
+enum { CURVE_STEPS = 65536 };
 constexpr size_t band_bytes = size_t(3) << 20;
+/* Of one task: threads wait for each other at the end of a band, so tasks are short. */
+constexpr size_t task_pixels = 32768;
 /* A doubt about the mean that no device shows. */
 constexpr double mean_doubt = 1e-4;
 
@@ -84,7 +86,8 @@ class Corrector
           rows_(reader_.spec().format, writer_.spec().format,
                 reader_.premultiplied() || writer_.premultiplied(), reader_.width(),
                 reader_.channels(), reader_.spec().alpha_channel),
-          band_rows_(reader_.band_rows(band_bytes)), progress_("correcting")
+          band_rows_(reader_.band_rows(band_bytes)),
+          task_rows_(std::max<size_t>(task_pixels / reader_.width(), 1)), progress_("correcting")
     {
         make_curve();
     }
@@ -144,14 +147,14 @@ class Corrector
                  &writing = bands[(k + 1) % 3];
             const bool works = k >= 1 && k <= count;
             const size_t rows = works ? working.y1 - working.y0 : 0;
-            threads_.run(2 + (rows + CHUNK_ROWS - 1) / CHUNK_ROWS, [&](size_t task) {
+            threads_.run(2 + (rows + task_rows_ - 1) / task_rows_, [&](size_t task) {
                 if (task == 0 && write && k >= 2) {
                     writer_.write(writing.y0, writing.y1, rows_.type(), writing.pixels.data());
                 } else if (task == 1 && k < count) {
                     read(reading, k);
                 } else if (task >= 2) {
-                    const size_t y0 = working.y0 + (task - 2) * CHUNK_ROWS;
-                    work(working, y0, std::min(y0 + CHUNK_ROWS, working.y1));
+                    const size_t y0 = working.y0 + (task - 2) * task_rows_;
+                    work(working, y0, std::min(y0 + task_rows_, working.y1));
                 }
             });
             progress_.report(from +
@@ -191,7 +194,7 @@ class Corrector
     MapReader map_;
     PictureWriter writer_;
     const PixelRows rows_;
-    const size_t band_rows_;
+    const size_t band_rows_, task_rows_;
     Progress progress_;
     std::vector<float> curve_;
     std::mutex mutex_;

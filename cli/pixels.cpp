@@ -111,15 +111,22 @@ template <typename Sample> double LuminanceSum::sum_opaque(const uint8_t *row, s
 {
     const double *const m = colour_.to_xyz + 3;
     const size_t green = rows_.grey() ? 0 : 1, blue = rows_.grey() ? 0 : 2;
-    const uint8_t *const end = row + rows_.bytes();
-    double sum = 0.0;
-    for (; row < end; row += step * sizeof(Sample)) {
+    const auto luminance = [&](const uint8_t *at) {
         Sample sample[3];
-        std::memcpy(&sample[0], row, sizeof(Sample));
-        std::memcpy(&sample[1], row + green * sizeof(Sample), sizeof(Sample));
-        std::memcpy(&sample[2], row + blue * sizeof(Sample), sizeof(Sample));
-        sum += m[0] * linear_[sample[0]] + m[1] * linear_[sample[1]] + m[2] * linear_[sample[2]];
-    }
+        std::memcpy(&sample[0], at, sizeof(Sample));
+        std::memcpy(&sample[1], at + green * sizeof(Sample), sizeof(Sample));
+        std::memcpy(&sample[2], at + blue * sizeof(Sample), sizeof(Sample));
+        return m[0] * linear_[sample[0]] + m[1] * linear_[sample[1]] + m[2] * linear_[sample[2]];
+    };
+    const size_t pixel = step * sizeof(Sample);
+    double sum = 0.0;
+    size_t x = 0;
+    /* Four at a time: one long chain of additions would wait for each of them. */
+    for (; x + 4 <= rows_.width(); x += 4, row += 4 * pixel)
+        sum += (luminance(row) + luminance(row + pixel)) +
+               (luminance(row + 2 * pixel) + luminance(row + 3 * pixel));
+    for (; x < rows_.width(); x++, row += pixel)
+        sum += luminance(row);
     return sum;
 }
 

@@ -11,6 +11,9 @@ namespace cli
 namespace
 {
 
+/* libjpeg ends the program beyond this, and OpenImageIO lets a little more pass. */
+constexpr int largest_jpeg = 65500;
+
 std::string first_line(const std::string &text)
 {
     const std::string line = text.substr(0, text.find('\n'));
@@ -53,10 +56,15 @@ void PictureReader::read(size_t y0, size_t y1, OIIO::TypeDesc type, void *out)
 {
     const OIIO::ImageSpec &s = spec();
     const int first = s.y + static_cast<int>(y0), last = s.y + static_cast<int>(y1);
-    const bool good = s.tile_width > 0 ? input_->read_tiles(0, 0, s.x, s.x + s.width, first, last,
-                                                            s.z, s.z + 1, 0, s.nchannels, type, out)
-                                       : input_->read_scanlines(0, 0, first, last, s.z, 0,
-                                                                s.nchannels, type, out);
+    bool good;
+    if (s.tile_width > 0)
+        good = input_->read_tiles(0, 0, s.x, s.x + s.width, first, last, s.z, s.z + 1, 0,
+                                  s.nchannels, type, out);
+    else if (type == s.format && s.channelformats.empty())
+        /* Straight to where they are wanted, not by way of a buffer. */
+        good = input_->read_native_scanlines(0, 0, first, last, s.z, out);
+    else
+        good = input_->read_scanlines(0, 0, first, last, s.z, 0, s.nchannels, type, out);
     if (!good)
         fail(Exit::input, "cannot read the pixels of '%s': %s", path_.c_str(),
              first_line(input_->geterror()).c_str());
@@ -71,6 +79,11 @@ PictureWriter::PictureWriter(const std::string &path, const OIIO::ImageSpec &spe
              path.c_str());
     OIIO::ImageSpec wanted = spec;
     const std::string format = output_->format_name();
+    if (format == "jpeg" && std::max(spec.width, spec.height) > largest_jpeg)
+        fail(Exit::usage,
+             "'%s': JPEG holds at most %d pixels a side and the picture is %d x %d; write .png, "
+             ".tif or .exr",
+             path.c_str(), largest_jpeg, spec.width, spec.height);
     if (wanted.alpha_channel >= 0 && !output_->supports("alpha"))
         fail(Exit::usage, "'%s': %s cannot hold the picture's alpha; write .png, .tif or .exr",
              path.c_str(), format.c_str());

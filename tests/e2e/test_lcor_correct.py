@@ -291,6 +291,17 @@ def test_threads_tiles_and_bands_change_no_byte(tmp_path):
     assert pixel_sets[0] == pixel_sets[1]
 
 
+def test_jpeg_refuses_more_than_it_holds(tmp_path, light):
+    long = tmp_path / "long.png"
+    options = ("--illuminance", light, "--contrast", 9, "-o", tmp_path / "o.jpg")
+    for width in (65500, 65501):
+        long.write_bytes(png(width, 1, bytes(width), colour_type=0))
+        if width == 65500:
+            good("correct", long, *options)
+        else:
+            refused(2, "correct", long, *options, says="65501 x 1")
+
+
 def test_other_colours_than_rgb_are_said_to_be_converted(tmp_path, light):
     rgb = tmp_path / "rgb.png"
     rgb.write_bytes(png(2, 2, bytes(range(40, 160, 10))))
