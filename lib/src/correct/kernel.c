@@ -22,6 +22,18 @@
 #define EACH(j, n) for (size_t j = 0; (j) < (size_t)(n); (j)++)
 #endif
 
+/* What numbers are kept above or below. */
+typedef struct limits {
+    float zero, one, tiny, huge;
+    float knee, f_knee; /* of eqs 2-4: (6/29)^3 and 6/29 */
+    float near_white;
+} limits;
+
+#define LIMITS                                                                                     \
+    {                                                                                              \
+        0.0f, 1.0f, 1e-30f, 1e30f, 0.00885645207f, 0.206896558f, 1e-9f                             \
+    }
+
 #define INNER static TARGET LCOR_INLINE
 #define STAGE static TARGET LCOR_APART /* one copy: the code stays small */
 

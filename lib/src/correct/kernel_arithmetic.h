@@ -17,23 +17,28 @@ INNER float ISA(from_bits)(int32_t i)
     return x;
 }
 
-/* The larger or smaller of x and a constant c >= 0. Floats order as their bits do there, and of
- * integers every compiler makes one instruction, where the set has it, and no jump. */
-INNER float ISA(at_least)(float x, float c)
-{
-    const int32_t a = ISA(bits)(x), b = ISA(bits)(c);
+/* The larger or smaller of x and a limit >= 0. Floats order as their bits do there, and of integers
+ * every compiler makes one instruction, where the set has it, and no jump. SSE2 has it for floats
+ * alone, and gcc makes it of such a choice only if the limit is a variable. */
+#if POOR
+static const volatile limits ISA(limits) = LIMITS;
+#else
+static const limits ISA(limits) = LIMITS;
+#endif
 
-    return ISA(from_bits)(a > b ? a : b);
+INNER float ISA(at_least)(float x, float limit)
+{
+    const int32_t a = ISA(bits)(x), b = ISA(bits)(limit);
+
+    return POOR ? (x > limit ? x : limit) : ISA(from_bits)(a > b ? a : b);
 }
 
-INNER float ISA(at_most)(float x, float c)
+INNER float ISA(at_most)(float x, float limit)
 {
-    const int32_t a = ISA(bits)(x), b = ISA(bits)(c);
+    const int32_t a = ISA(bits)(x), b = ISA(bits)(limit);
 
-    return ISA(from_bits)(a < b ? a : b);
+    return POOR ? (x < limit ? x : limit) : ISA(from_bits)(a < b ? a : b);
 }
-
-INNER float ISA(clamp)(float x) { return ISA(at_most)(ISA(at_least)(x, 0.0f), 1.0f); }
 
 /* 1 - f(t) with f of eqs 2-4 (CIE 1976): eq 16 divides by that, and float holds more of its digits
  * near white than of f's.
@@ -44,8 +49,6 @@ INNER float ISA(clamp)(float x) { return ISA(at_most)(ISA(at_least)(x, 0.0f), 1.
  * The straight line below (6/29)^3 is the cube root's tangent there, so both parts are
  * cbrt(m) + slope (t - m) with m = max(t, (6/29)^3), and no choice is left.
  * Worst error 9.1e-8 for t in 0..1, 1.4e-7 relative to f beyond (tests/numeric/test_kernel.c). */
-INNER float ISA(above_knee)(float t) { return ISA(at_least)(t, 0.00885645207f); }
-
 INNER float ISA(inverse_root)(float m)
 {
     return ISA(from_bits)(1419899955 - (int32_t)((float)ISA(bits)(m) * 0.333333333f));
@@ -64,18 +67,18 @@ INNER float ISA(g_of)(float c0, float e, float line)
 #define G_BLACK 0.862068951f /* of 0 as the line above rounds it: 25/29 */
 
 /* The inverse of f; the slope is 108/841 to an ulp, chosen so that 1 - G_BLACK gives exactly 0. */
-INNER float ISA(f_inverse)(float v)
+INNER float ISA(f_inverse)(float v, float knee)
 {
-    const float m = ISA(at_least)(v, 0.206896558f); /* 6/29 */
+    const float m = ISA(at_least)(v, knee);
 
     return m * m * m + (v - m) * 0.128418565f;
 }
 
 /* x^t for 0 <= x < 2^64 in two steps; worst error 5e-7 + 2e-7 t relative where the result is
- * > 1e-6. First t log2 x ... */
+ * > 1e-6. First t log2 x, where x is at least LIMITS.tiny ... */
 INNER float ISA(log_power)(float x, float t)
 {
-    const int32_t i = ISA(bits)(ISA(at_least)(x, 1e-30f));
+    const int32_t i = ISA(bits)(x);
     const int32_t e = (i - 0x3F3504F3) >> 23; /* mantissa in sqrt(1/2)..sqrt(2) */
     const float a = ISA(from_bits)(i - e * 0x800000);
     const float s = (a - 1.0f) / (a + 1.0f), z = s * s;

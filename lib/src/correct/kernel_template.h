@@ -30,14 +30,14 @@ STAGE int ISA(maps)(const lcor_plan *p, const float *restrict i, const float *re
                     lcor_block *restrict b)
 {
     const lcor_kernel_constants *k = &p->k;
-    const float offset = k->offset;
+    const float offset = k->offset, huge = ISA(limits).huge, zero = ISA(limits).zero;
     uint32_t worst = 0;
 
     if (p->reading == LCOR_READING_TEXEL) {
         const float slope = k->slope_texel;
 
         EACH (j, LCOR_BLOCK) {
-            b->v[j] = ISA(at_most)(i[j] * slope, 1e30f);
+            b->v[j] = ISA(at_most)(i[j] * slope, huge);
             worst = ISA(larger)(worst, ISA(doubt)(i[j]));
         }
     } else if (rho != NULL) {
@@ -47,7 +47,7 @@ STAGE int ISA(maps)(const lcor_plan *p, const float *restrict i, const float *re
             const float t = i[j] * rho[j] * slope + offset; /* eq 12 */
 
             b->t[j] = t;
-            b->v[j] = t > 0.0f ? ISA(at_most)(t * ratio / rho[j], 1e30f) : 0.0f; /* rule S1 */
+            b->v[j] = t > 0.0f ? ISA(at_most)(t * ratio / rho[j], huge) : 0.0f; /* rule S1 */
             worst = ISA(larger)(worst, ISA(larger)(ISA(doubt)(i[j]), ISA(doubt)(rho[j])));
         }
     } else {
@@ -57,7 +57,7 @@ STAGE int ISA(maps)(const lcor_plan *p, const float *restrict i, const float *re
             const float t = i[j] * slope + offset; /* eq 12 */
 
             b->t[j] = t;
-            b->v[j] = ISA(at_most)(ISA(at_least)(t, 0.0f) * over_rho, 1e30f);
+            b->v[j] = ISA(at_most)(ISA(at_least)(t, zero) * over_rho, huge);
             worst = ISA(larger)(worst, ISA(doubt)(i[j]));
         }
     }
@@ -68,14 +68,15 @@ STAGE int ISA(maps)(const lcor_plan *p, const float *restrict i, const float *re
 STAGE int ISA(transfer)(const lcor_power *p, float *restrict c)
 {
     const lcor_power q = *p;
+    const float zero = ISA(limits).zero, tiny = ISA(limits).tiny;
     float LCOR_ALIGNED y[LCOR_BLOCK];
     uint32_t worst = 0;
 
     EACH (j, LCOR_BLOCK) {
-        const float x = ISA(at_most)(ISA(at_least)(c[j], 0.0f), q.top);
+        const float x = ISA(at_most)(ISA(at_least)(c[j], zero), q.top);
 
         worst = ISA(larger)(worst, ISA(doubt)(c[j]));
-        y[j] = ISA(log_power)(x * q.in_scale + q.in_offset, q.exponent);
+        y[j] = ISA(log_power)(ISA(at_least)(x * q.in_scale + q.in_offset, tiny), q.exponent);
         c[j] = x;
     }
     EACH (j, LCOR_BLOCK) {
@@ -87,15 +88,16 @@ STAGE int ISA(transfer)(const lcor_power *p, float *restrict c)
 }
 
 /* Linear RGB of pixel j to X, Y, Z over white; Ynew. Returns doubt of it. */
-INNER uint32_t ISA(light)(const lcor_kernel_constants *k, float r, float g, float bl, size_t j,
-                          lcor_block *b)
+INNER uint32_t ISA(light)(const lcor_kernel_constants *k, float zero, float one, float r, float g,
+                          float bl, size_t j, lcor_block *b)
 {
     const float y = r * k->m[1][0] + g * k->m[1][1] + bl * k->m[1][2]; /* eq 1 */
 
     b->c[0][j] = r * k->m[0][0] + g * k->m[0][1] + bl * k->m[0][2];
     b->c[1][j] = y;
     b->c[2][j] = r * k->m[2][0] + g * k->m[2][1] + bl * k->m[2][2];
-    b->c[3][j] = ISA(clamp)(b->v[j] * y + k->w); /* eq 11, or T itself; rule S7 */
+    b->c[3][j] = ISA(at_most)(ISA(at_least)(b->v[j] * y + k->w, zero),
+                              one); /* eq 11, or T itself; rule S7 */
     return ISA(doubt_of_three)(r, g, bl);
 }
 
@@ -103,6 +105,7 @@ STAGE int ISA(lightness)(const lcor_kernel_constants *k, const float *restrict r
                          lcor_block *restrict b)
 {
     const lcor_kernel_constants q = *k;
+    const float zero = ISA(limits).zero, one = ISA(limits).one;
     uint32_t worst = 0;
 
 #if POOR
@@ -114,7 +117,7 @@ STAGE int ISA(lightness)(const lcor_kernel_constants *k, const float *restrict r
 #define PIXEL rgb[3 * j], rgb[3 * j + 1], rgb[3 * j + 2]
 #endif
     EACH (j, LCOR_BLOCK)
-        worst = ISA(larger)(worst, ISA(light)(&q, PIXEL, j, b));
+        worst = ISA(larger)(worst, ISA(light)(&q, zero, one, PIXEL, j, b));
 #undef PIXEL
     return ISA(is_suspect)(worst);
 }
@@ -123,11 +126,13 @@ STAGE int ISA(lightness)(const lcor_kernel_constants *k, const float *restrict r
  * only: of two short chains of them it overlaps more than of a long one. So below. */
 STAGE void ISA(g)(const float *restrict t, float *restrict g, size_t planes)
 {
+    const float knee = ISA(limits).knee;
+
     for (; planes > 0; planes--, t += LCOR_BLOCK, g += LCOR_BLOCK) {
         float LCOR_ALIGNED c0[LCOR_BLOCK], e[LCOR_BLOCK];
 
         EACH (j, LCOR_BLOCK) {
-            const float m = ISA(above_knee)(t[j]);
+            const float m = ISA(at_least)(t[j], knee);
             const float z = ISA(inverse_root)(m);
             const float root = m * z * z;
 
@@ -145,12 +150,14 @@ STAGE void ISA(chroma)(const lcor_kernel_constants *k, lcor_block *restrict b)
 {
     const float r_x = k->n[0][0], r_z = k->n[0][1], g_x = k->n[1][0], g_z = k->n[1][1];
     const float b_x = k->n[2][0], b_z = k->n[2][1];
+    const float zero = ISA(limits).zero, near_white = ISA(limits).near_white,
+                knee = ISA(limits).f_knee;
 
     EACH (j, LCOR_BLOCK) {
-        const float gy = b->g[1][j], gn = ISA(at_least)(b->g[3][j], 0.0f);
+        const float gy = b->g[1][j], gn = ISA(at_least)(b->g[3][j], zero);
         /* Both branches of eq 16 are (h - gn) / (h - gy). White stays white: 0 < 1e-9 and k is 0,
          * whatever the texel; 1e-20 only keeps 0 / 0 away (rules S5, S6). */
-        const float h = gn < ISA(at_least)(gy, 1e-9f) ? 0.0f : G_BLACK;
+        const float h = gn < ISA(at_least)(gy, near_white) ? 0.0f : G_BLACK;
         const float chroma = (h - gn) / (h - gy - 1e-20f);
 
         b->c[0][j] = (1.0f - gn) + chroma * (gy - b->g[0][j]); /* eq 14 */
@@ -158,8 +165,8 @@ STAGE void ISA(chroma)(const lcor_kernel_constants *k, lcor_block *restrict b)
     }
     EACH (j, LCOR_BLOCK) {
         const float y_new = b->c[3][j];
-        const float dx = ISA(f_inverse)(b->c[0][j]) - y_new;
-        const float dz = ISA(f_inverse)(b->c[2][j]) - y_new;
+        const float dx = ISA(f_inverse)(b->c[0][j], knee) - y_new;
+        const float dz = ISA(f_inverse)(b->c[2][j], knee) - y_new;
 
         b->c[0][j] = y_new + (r_x * dx + r_z * dz);
         b->c[1][j] = y_new + (g_x * dx + g_z * dz);
@@ -170,18 +177,22 @@ STAGE void ISA(chroma)(const lcor_kernel_constants *k, lcor_block *restrict b)
 /* RGB clamped to 0..1, as pixels. */
 STAGE void ISA(interleave)(lcor_block *restrict b, float *restrict to)
 {
+    const float zero = ISA(limits).zero, one = ISA(limits).one;
+
+#define CLAMPED(x) ISA(at_most)(ISA(at_least)(x, zero), one)
 #if POOR
-    for (size_t i = 0; i < 3; i++)
-        EACH (j, LCOR_BLOCK)
-            b->c[i][j] = ISA(clamp)(b->c[i][j]);
+    EACH (j, LCOR_BLOCK)
+        for (size_t i = 0; i < 3; i++)
+            b->c[i][j] = CLAMPED(b->c[i][j]);
     EACH (j, LCOR_BLOCK)
         for (size_t i = 0; i < 3; i++)
             to[3 * j + i] = b->c[i][j];
 #else
     EACH (j, LCOR_BLOCK) {
-        to[3 * j] = ISA(clamp)(b->c[0][j]);
-        to[3 * j + 1] = ISA(clamp)(b->c[1][j]);
-        to[3 * j + 2] = ISA(clamp)(b->c[2][j]);
+        to[3 * j] = CLAMPED(b->c[0][j]);
+        to[3 * j + 1] = CLAMPED(b->c[1][j]);
+        to[3 * j + 2] = CLAMPED(b->c[2][j]);
     }
 #endif
+#undef CLAMPED
 }

@@ -26,10 +26,12 @@ STAGE void ISA(split_bytes)(const uint8_t *restrict rgb, lcor_block *restrict b)
 STAGE int ISA(lightness_of_planes)(const lcor_kernel_constants *k, lcor_block *restrict b)
 {
     const lcor_kernel_constants q = *k;
+    const float zero = ISA(limits).zero, one = ISA(limits).one;
     uint32_t worst = 0;
 
     EACH (j, LCOR_BLOCK)
-        worst = ISA(larger)(worst, ISA(light)(&q, b->c[0][j], b->c[1][j], b->c[2][j], j, b));
+        worst =
+            ISA(larger)(worst, ISA(light)(&q, zero, one, b->c[0][j], b->c[1][j], b->c[2][j], j, b));
     return ISA(is_suspect)(worst);
 }
 
@@ -56,17 +58,17 @@ STAGE int ISA(lightness_of_f)(const lcor_kernel_constants *k, const float *restr
                               lcor_block *restrict b)
 {
     const float *restrict f_x = f, *restrict f_y = f + plane, *restrict f_z = f + 2 * plane;
-    const float w = k->w;
+    const float w = k->w, zero = ISA(limits).zero, one = ISA(limits).one, knee = ISA(limits).f_knee;
     uint32_t worst = 0;
 
     EACH (j, LCOR_BLOCK) {
-        const float fx = f_x[j], fy = f_y[j], fz = f_z[j], y = ISA(f_inverse)(fy);
+        const float fx = f_x[j], fy = f_y[j], fz = f_z[j], y = ISA(f_inverse)(fy, knee);
 
         b->g[0][j] = 1.0f - fx;
         b->g[1][j] = 1.0f - fy;
         b->g[2][j] = 1.0f - fz;
         b->c[1][j] = y;
-        b->c[3][j] = ISA(clamp)(b->v[j] * y + w);
+        b->c[3][j] = ISA(at_most)(ISA(at_least)(b->v[j] * y + w, zero), one);
         worst = ISA(larger)(worst, ISA(doubt_of_three)(fx, fy, fz));
     }
     return ISA(is_suspect)(worst);
@@ -105,8 +107,10 @@ STAGE void ISA(find_outside)(const lcor_block *restrict b, int32_t *restrict out
 
 STAGE void ISA(clamp_planes)(float *restrict c)
 {
+    const float zero = ISA(limits).zero, one = ISA(limits).one;
+
     EACH (j, 3 * LCOR_BLOCK)
-        c[j] = ISA(clamp)(c[j]);
+        c[j] = ISA(at_most)(ISA(at_least)(c[j], zero), one);
 }
 
 /* 0..1 to codes; halves go up. */
