@@ -1,22 +1,27 @@
 # SPDX-License-Identifier: MIT
-"""rastertolcor measured: its time for an A4 page of 600 dpi beside a filter that only
-copies, and what it costs to correct a page that is read once instead of twice.
+"""rastertolcor measured: what an A4 page of 600 dpi costs beside a filter that only copies, and
+what it costs in accuracy to take the mean of r from a part of a page.
 
     bench_print.py RESULTS.json        (needs a build with -DLCOR_BUILD_CUPS=ON)
 """
 
 from __future__ import annotations
 
-import json
 import os
+import re
+import statistics
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from PIL import Image
+import results
+from PIL import Image, ImageDraw, ImageFont
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "print"))
@@ -24,7 +29,8 @@ import raster  # noqa: E402
 
 PHOTOGRAPHS = Path("/usr/share/backgrounds/mate/nature")
 WIDTH, HEIGHT = 4960, 7016
-SIDE = 900  # longer side of the photographs that stand for pages
+SIDE = 900  # longer side of the photographs that stand for small pages
+TURNS = 5
 
 
 def find_filter() -> Path:
@@ -36,37 +42,83 @@ def find_filter() -> Path:
     sys.exit("bench_print.py: no rastertolcor; configure with -DLCOR_BUILD_CUPS=ON")
 
 
-def photographs(side: int) -> list[tuple[str, np.ndarray]]:
-    pictures = []
+def photographs(side: int) -> Iterator[tuple[str, np.ndarray]]:
     for path in sorted(PHOTOGRAPHS.glob("*.jpg")):
         with Image.open(path) as image:
             picture = image.convert("RGB")
             picture.thumbnail((side, side))
-            pictures.append((path.stem, np.asarray(picture)))
-    return pictures
+            yield path.stem, np.asarray(picture)
 
 
-def page_of(picture: np.ndarray) -> np.ndarray:
-    image = Image.fromarray(picture).resize((WIDTH, HEIGHT), Image.Resampling.BICUBIC)
-    noise = np.random.default_rng(1).integers(-2, 3, (HEIGHT, WIDTH, 3), np.int16)
-    return np.clip(np.asarray(image).astype(np.int16) + noise, 0, 255).astype(np.uint8)
+def text_page() -> np.ndarray:
+    image = Image.new("L", (WIDTH, HEIGHT), 255)
+    draw = ImageDraw.Draw(image)
+    font = ImageFont.load_default(83)  # 10 points
+    for y in range(400, HEIGHT - 400, 130):
+        draw.text((500, y), "Lightness correction for photorealistic rendering. " * 2, 0, font)
+    return np.asarray(image.convert("RGB"))
 
 
-def timed(command: list[str], page: Path, out: Path) -> float:
+def photograph_page(dpi: int) -> np.ndarray:
+    """As a renderer of PDF enlarges it: each pixel repeated."""
+    _, picture = next(photographs(2000), ("", np.full((9, 9, 3), 128, np.uint8)))
+    small = Image.fromarray(picture).resize(
+        (WIDTH * dpi // 600, HEIGHT * dpi // 600), Image.Resampling.BICUBIC
+    )
+    return np.asarray(small.resize((WIDTH, HEIGHT), Image.Resampling.NEAREST))
+
+
+def noisy_page() -> np.ndarray:
+    page = photograph_page(600).astype(np.int16)
+    page += np.random.default_rng(1).integers(-2, 3, page.shape, np.int8)
+    return np.clip(page, 0, 255).astype(np.uint8)
+
+
+PAGES = {
+    "text": text_page,
+    "photograph of 90 dpi": lambda: photograph_page(90),
+    "noise in every pixel": noisy_page,
+}
+
+
+@dataclass
+class Cost:
+    """Of one process: seconds elapsed, and of all its threads."""
+
+    elapsed: float
+    processor: float
+
+
+def run(command: list[str], page: Path, out: Path) -> Cost:
     with page.open("rb") as read, out.open("wb") as write:
         begin = time.perf_counter()
-        subprocess.run(command, stdin=read, stdout=write, stderr=subprocess.DEVNULL, check=True)
-        return time.perf_counter() - begin
+        process = subprocess.Popen(command, stdin=read, stdout=write, stderr=subprocess.DEVNULL)
+        _, status, usage = os.wait4(process.pid, 0)
+        elapsed = time.perf_counter() - begin
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode != 0:
+        sys.exit(f"bench_print.py: {command[0]} ended with {process.returncode}")
+    return Cost(elapsed, usage.ru_utime + usage.ru_stime)
 
 
-def throughput(rastertolcor: Path, folder: Path) -> list[dict]:
-    pictures = photographs(2000)
-    picture = (
-        pictures[0][1]
-        if pictures
-        else np.random.default_rng(0).integers(0, 256, (200, 140, 3), np.uint8)
+def peak(command: list[str], page: Path) -> float:
+    """Megabytes of the filter at its peak, asked for between the page and the end of the job:
+    what wait4 tells is no less than this process had when it started the filter."""
+    process = subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
     )
-    pixels = page_of(picture)
+    assert process.stdin and process.stderr
+    process.stdin.write(page.read_bytes())
+    process.stdin.flush()
+    while not process.stderr.readline().startswith(b"PAGE: "):
+        if process.poll() is not None:
+            sys.exit(f"bench_print.py: {command[0]} ended with {process.returncode}")
+    status = Path(f"/proc/{process.pid}/status").read_text()
+    process.communicate()
+    return int(re.findall(r"VmHWM:\s+(\d+)", status)[0]) / 1024
+
+
+def throughput(rastertolcor: Path, folder: Path) -> dict[str, Any]:
     copy = folder / "copy_raster"
     subprocess.run(["cc", "-O2", ROOT / "bench/copy_raster.c", "-o", copy, "-lcups"], check=True)
     light = np.linspace(0.4, 1.8, 64, dtype="<f4")[None].repeat(64, 0)
@@ -74,50 +126,63 @@ def throughput(rastertolcor: Path, folder: Path) -> list[dict]:
     mapped = f"lcor-contrast=23.4 lcor-illuminance={folder}/light.pfm"
     settings = {
         "even light": "lcor-contrast=23.4",
+        "even light, texels, mean given": "lcor-contrast=23.4 lcor-reading=texel lcor-mean=0.2",
         "light map": mapped,
         "light map, texels, one pass": f"{mapped} lcor-reading=texel lcor-passes=1",
         "light map, texels, two passes": f"{mapped} lcor-reading=texel",
     }
-    rows = []
-    raw = folder / "raw.ras"
-    raw.write_bytes(raster.write([raster.Page(pixels)]))
-    with (
-        raw.open("rb") as read,
-        (folder / "pwg.ras").open("wb") as write,
-    ):  # Python's own packing is slow
-        subprocess.run([copy, "3"], stdin=read, stdout=write, check=True)
-    for kind, mode in (("raw", "1"), ("pwg", "3")):
-        page, out = folder / f"{kind}.ras", folder / "out"
-        best: dict[str, float] = {}
-        for _ in range(3):  # in turn, so that all meet the same machine
-            best["copy"] = min(best.get("copy", 1e9), timed([str(copy), mode], page, out))
-            for name, options in settings.items():
-                best[name] = min(
-                    best.get(name, 1e9),
-                    timed([str(rastertolcor), "1", "u", "t", "1", options], page, out),
+    correct = [str(rastertolcor), "1", "u", "t", "1"]
+    rows: list[list[Any]] = []
+    memory = 0.0
+    for name, make in PAGES.items():
+        raw, out = folder / "raw", folder / "out"
+        raw.write_bytes(raster.write([raster.Page(make())]))
+        run([str(copy), "3"], raw, folder / "pwg")
+        for kind, mode in (("raw", "1"), ("pwg", "3")):
+            commands = {"copy": [str(copy), mode]}
+            commands |= {setting: [*correct, words] for setting, words in settings.items()}
+            costs: dict[str, list[Cost]] = {setting: [] for setting in commands}
+            for _ in range(TURNS):  # in turn, so that all meet the same machine
+                for setting, command in commands.items():
+                    costs[setting].append(run(command, folder / kind, out))
+            for setting, turns in costs.items():
+                pairs = list(zip(turns, costs["copy"], strict=True))
+                rows.append(
+                    [
+                        name,
+                        kind,
+                        setting,
+                        statistics.median(c.elapsed for c in turns),
+                        statistics.median(c.elapsed / base.elapsed for c, base in pairs),
+                        statistics.median(c.processor for c in turns),
+                    ]
                 )
-        rows += [
-            {"raster": kind, "filter": name, "seconds": seconds, "ratio": seconds / best["copy"]}
-            for name, seconds in best.items()
-        ]
-    return rows
+            memory = max(memory, *(peak([*correct, o], folder / kind) for o in settings.values()))
+    return results.table(
+        "rastertolcor: A4, 600 dpi, RGB of 8 bits",
+        f"From file to file in memory, in turn with a filter that only copies lines through libcups "
+        f"(bench/copy_raster.c); medians of {TURNS} turns. The ratio is of elapsed time. CUPS raster "
+        f"is raw, PWG raster compressed. Memory at its peak, of all: {memory:.1f} MB.",
+        ["page", "raster", "filter", "elapsed s", "over copy", "processor s"],
+        rows,
+    )
 
 
 def adaptive_mean(r: np.ndarray) -> float:
     logs = np.log(np.maximum(r, 1e-300)).ravel()
-    mean = logs.mean()
-    for _ in range(60):
-        mean = np.maximum(logs, mean - np.log(10)).mean()
+    mean, before = logs.mean(), np.inf
+    while abs(mean - before) > 1e-9:
+        mean, before = np.maximum(logs, mean - np.log(10)).mean(), mean
     return float(np.exp(mean))
 
 
+LINEAR = np.arange(256) / 255
+LINEAR = np.where(LINEAR <= 0.04045, LINEAR / 12.92, ((LINEAR + 0.055) / 1.055) ** 2.4)
+
+
 def luminance(stored: np.ndarray) -> np.ndarray:
-    x = stored / 255.0
-    return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4) @ [
-        0.2126729,
-        0.7151522,
-        0.072175,
-    ]
+    red, green, blue = (LINEAR[stored[..., i]] for i in range(3))
+    return 0.2126729 * red + 0.7151522 * green + 0.072175 * blue
 
 
 def lightness(stored: np.ndarray) -> np.ndarray:
@@ -125,115 +190,76 @@ def lightness(stored: np.ndarray) -> np.ndarray:
     return np.where(y > (6 / 29) ** 3, 116 * np.cbrt(y) - 16, y * (29 / 3) ** 3)
 
 
-def single_pass(rastertolcor: Path) -> list[dict]:
-    """The mean of r from a part of the page instead of all of it: error of the mean and of L*."""
+def corrected(rastertolcor: Path, pixels: np.ndarray, options: str) -> tuple[np.ndarray, float]:
+    """The page by texel reading, and its mean of r."""
+    done = subprocess.run(
+        [rastertolcor, "1", "u", "t", "1", f"lcor-contrast=23.4 lcor-reading=texel {options}"],
+        input=raster.write([raster.Page(pixels)]),
+        capture_output=True,
+        check=True,
+    )
+    mean = re.search(rb"r_mean ([0-9.e+-]+)", done.stderr)
+    assert mean
+    return raster.read(done.stdout)[0].pixels, float(mean[1])
 
-    def corrected(pixels: np.ndarray, options: str) -> np.ndarray:
-        done = subprocess.run(
-            [rastertolcor, "1", "u", "t", "1", f"lcor-contrast=23.4 lcor-reading=texel {options}"],
-            input=raster.write([raster.Page(pixels)]),
-            capture_output=True,
-            check=True,
-        )
-        return raster.read(done.stdout)[0].pixels
 
-    rows = []
-    for name, pixels in photographs(SIDE):
+def parts_of_a_page(rastertolcor: Path) -> dict[str, Any]:
+    worst: dict[str, list[float]] = {}
+
+    def note(source: str, error: float, shown: np.ndarray, whole: np.ndarray) -> None:
+        off = np.abs(lightness(shown) - whole)
+        found = (abs(error), float(off.mean()), float(np.percentile(off, 99)))
+        worst[source] = [max(a, b) for a, b in zip(found, worst.get(source, found), strict=True)]
+
+    for _, pixels in photographs(SIDE):
         r = luminance(pixels)
-        mean, whole = adaptive_mean(r), lightness(corrected(pixels, ""))
-        small = {
-            f"preview of {SIDE // n} pixels": adaptive_mean(
-                luminance(np.asarray(Image.fromarray(pixels).reduce(n)))
-            )
-            for n in (4, 16, 64)
-        }
-        grid = {
-            f"grid of {SIDE // n} pixels": adaptive_mean(r[n // 2 :: n, n // 2 :: n])
-            for n in (4, 16, 64)
-        }
-        for source, value in (small | grid).items():
-            error = np.abs(lightness(corrected(pixels, f"lcor-mean={value:.12g}")) - whole)
-            rows.append(
-                {
-                    "picture": name,
-                    "mean from": source,
-                    "error of mean": value / mean - 1,
-                    "mean |dL*|": error.mean(),
-                    "99 % of |dL*|": np.percentile(error, 99),
-                }
-            )
-        one = np.abs(lightness(corrected(pixels, "lcor-passes=1")) - whole)
-        rows.append(
-            {
-                "picture": name,
-                "mean from": "rows so far",
-                "error of mean": 0.0,
-                "mean |dL*|": one.mean(),
-                "99 % of |dL*|": np.percentile(one, 99),
-            }
-        )
-    return rows
+        exact = adaptive_mean(r)
+        whole = lightness(corrected(rastertolcor, pixels, "")[0])
+        means = {}
+        for n in (4, 16, 64):
+            small = np.asarray(Image.fromarray(pixels).reduce(n))
+            means[f"preview of {SIDE // n} pixels"] = adaptive_mean(luminance(small))
+        for n in (4, 16, 64):
+            means[f"grid of {SIDE // n} pixels"] = adaptive_mean(r[n // 2 :: n, n // 2 :: n])
+        for source, mean in means.items():
+            shown, _ = corrected(rastertolcor, pixels, f"lcor-mean={mean:.12g}")
+            note(source, mean / exact - 1, shown, whole)
+        shown, _ = corrected(rastertolcor, pixels, "lcor-passes=1")
+        note("rows so far", 0.0, shown, whole)
+    return results.table(
+        "A page read once: the mean of r from a part of it",
+        "Worst of the photographs of mate-backgrounds, 900 pixels wide; texel reading, contrast 23.4, "
+        "against the mean of r over the whole page.",
+        ["mean from", "error of mean", "mean dL*", "99 % of dL*"],
+        [[source, *numbers] for source, numbers in worst.items()],
+    )
 
 
-def worst(rows: list[dict]) -> list[dict]:
-    table: dict[str, dict] = {}
-    for row in rows:
-        entry = table.setdefault(
-            row["mean from"],
-            {
-                "mean from": row["mean from"],
-                "error of mean": 0.0,
-                "mean |dL*|": 0.0,
-                "99 % of |dL*|": 0.0,
-            },
-        )
-        for key in ("error of mean", "mean |dL*|", "99 % of |dL*|"):
-            entry[key] = max(entry[key], abs(row[key]))
-    return list(table.values())
-
-
-def table(title: str, note: str, rows: list[dict]) -> dict:
-    """As docs/accuracy.py reads it; also on the screen."""
-    print(f"\n{title}")
-    for row in rows:
-        print(
-            "  "
-            + "  ".join(
-                f"{k} {v:.4g}" if isinstance(v, float) else f"{k} {v}" for k, v in row.items()
-            )
-        )
-    return {
-        "title": title,
-        "note": note,
-        "columns": list(rows[0]),
-        "rows": [list(row.values()) for row in rows],
-        "command": "./dev bench",
-    }
+def samples_of_a_page(rastertolcor: Path) -> dict[str, Any]:
+    """Two passes take r of 2^20 pixels of a larger page: their mean against the one of all."""
+    rows = []
+    for name, make in PAGES.items():
+        pixels = make()
+        _, mean = corrected(rastertolcor, pixels, "")
+        exact = adaptive_mean(luminance(pixels))
+        rows.append([name, mean, exact, mean / exact - 1])
+    return results.table(
+        "A4 page of 600 dpi: the mean of r from 2^20 of its pixels",
+        "What rastertolcor takes with two passes, against all 35 million pixels.",
+        ["page", "mean", "of all pixels", "error"],
+        rows,
+    )
 
 
 def main() -> None:
     rastertolcor = find_filter()
-    with tempfile.TemporaryDirectory() as folder:
-        speed = throughput(rastertolcor, Path(folder))
-    tables = [
-        table(
-            "rastertolcor: A4, 600 dpi, RGB 8 bit",
-            "Best of 3, in turn with a filter that only copies through libcups.",
-            speed,
-        )
-    ]
-    passes = single_pass(rastertolcor)
-    if passes:
-        count = len({row["picture"] for row in passes})
-        tables.append(
-            table(
-                f"A page read once: worst of {count} photographs",
-                "Texel reading, contrast 23.4, against the mean of r over the whole page.",
-                worst(passes),
-            )
-        )
-    if len(sys.argv) > 1:
-        Path(sys.argv[1]).write_text(json.dumps({"tables": tables}, indent=1) + "\n")
+    # In memory: the disk would be measured otherwise.
+    memory = Path("/dev/shm")
+    with tempfile.TemporaryDirectory(dir=memory if memory.is_dir() else None) as folder:
+        tables = [throughput(rastertolcor, Path(folder)), samples_of_a_page(rastertolcor)]
+    if next(photographs(SIDE), None) is not None:
+        tables.append(parts_of_a_page(rastertolcor))
+    results.write(tables)
 
 
 if __name__ == "__main__":

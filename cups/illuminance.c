@@ -119,13 +119,14 @@ bool illuminance_rows_open(illuminance_rows *rows, const illuminance_map *map, s
     const size_t w = map->width + 1; /* one more: the last column's right neighbour is itself */
     rows->left = calloc(width, sizeof *rows->left);
     rows->share = calloc(width, sizeof *rows->share);
+    rows->end = calloc(w, sizeof *rows->end);
     rows->rows[0] = calloc(w, sizeof(float));
     rows->rows[1] = calloc(w, sizeof(float));
     rows->mixed = calloc(w, sizeof(float));
     rows->raw = malloc(w * map->sample_bytes);
     rows->loaded[0] = rows->loaded[1] = SIZE_MAX;
-    if (!rows->left || !rows->share || !rows->rows[0] || !rows->rows[1] || !rows->mixed ||
-        !rows->raw) {
+    if (!rows->left || !rows->share || !rows->end || !rows->rows[0] || !rows->rows[1] ||
+        !rows->mixed || !rows->raw) {
         illuminance_rows_close(rows);
         return false;
     }
@@ -134,6 +135,7 @@ bool illuminance_rows_open(illuminance_rows *rows, const illuminance_map *map, s
         const double inside = u < 0.0 ? 0.0 : u;
         rows->left[x] = (size_t)inside < map->width ? (size_t)inside : map->width - 1;
         rows->share[x] = (float)(inside - (double)rows->left[x]);
+        rows->end[rows->left[x]] = x + 1;
     }
     return true;
 }
@@ -142,6 +144,7 @@ void illuminance_rows_close(illuminance_rows *rows)
 {
     free(rows->left);
     free(rows->share);
+    free(rows->end);
     free(rows->rows[0]);
     free(rows->rows[1]);
     free(rows->mixed);
@@ -178,30 +181,62 @@ static bool load(illuminance_rows *rows, int slot, size_t y)
     return true;
 }
 
-bool illuminance_row(illuminance_rows *rows, size_t y, size_t first, size_t step, float *out)
+/* The two map rows about row y of the page, in a and b; the share of b. */
+static bool load_two(illuminance_rows *rows, size_t y, const float **a, const float **b,
+                     float *share)
 {
     const illuminance_map *map = rows->map;
-    size_t i = 0;
-    if (map->width == 0) {
-        for (size_t x = first; x < rows->width; x += step)
-            out[i++] = 1.0f;
-        return true;
-    }
     const double v = ((double)y + 0.5) * (double)map->height / (double)rows->height - 0.5;
     const double inside = v < 0.0 ? 0.0 : v;
     const size_t upper = (size_t)inside < map->height ? (size_t)inside : map->height - 1;
     const size_t lower = upper + 1 < map->height ? upper + 1 : upper;
-    const float share = (float)(inside - (double)upper);
     /* Even rows live in slot 0 and odd ones in slot 1, so going down a page reads each row once. */
-    const int slot = (int)(upper % 2), other = (int)(lower % 2);
-    if (!load(rows, slot, upper) || !load(rows, other, lower))
+    *a = rows->rows[upper % 2];
+    *b = rows->rows[lower % 2];
+    *share = (float)(inside - (double)upper);
+    return load(rows, (int)(upper % 2), upper) && load(rows, (int)(lower % 2), lower);
+}
+
+static float mix(float a, float b, float share) { return a + share * (b - a); }
+
+bool illuminance_row(illuminance_rows *rows, size_t y, float *out)
+{
+    const size_t width = rows->width;
+    const float *a, *b;
+    float down;
+    if (rows->map->width == 0) {
+        for (size_t x = 0; x < width; x++)
+            out[x] = 1.0f;
+        return true;
+    }
+    if (!load_two(rows, y, &a, &b, &down))
         return false;
-    const float *a = rows->rows[slot], *b = rows->rows[other];
-    for (size_t x = 0; x <= map->width; x++)
-        rows->mixed[x] = a[x] + share * (b[x] - a[x]);
-    for (size_t x = first; x < rows->width; x += step) {
-        const float *left = rows->mixed + rows->left[x];
-        out[i++] = left[0] + rows->share[x] * (left[1] - left[0]);
+    for (size_t x = 0; x <= rows->map->width; x++)
+        rows->mixed[x] = mix(a[x], b[x], down);
+    /* Between two columns of the map there is no looking up. */
+    for (size_t x = 0; x < width;) {
+        const size_t left = rows->left[x], end = rows->end[left];
+        const float l = rows->mixed[left], r = rows->mixed[left + 1];
+        for (; x < end; x++)
+            out[x] = mix(l, r, rows->share[x]);
+    }
+    return true;
+}
+
+bool illuminance_at(illuminance_rows *rows, size_t y, size_t n, const size_t *x, float *out)
+{
+    const float *a, *b;
+    float down;
+    if (rows->map->width > 0 && !load_two(rows, y, &a, &b, &down))
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        if (rows->map->width == 0) {
+            out[i] = 1.0f;
+            continue;
+        }
+        const size_t left = rows->left[x[i]];
+        out[i] = mix(mix(a[left], b[left], down), mix(a[left + 1], b[left + 1], down),
+                     rows->share[x[i]]);
     }
     return true;
 }

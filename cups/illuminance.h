@@ -27,6 +27,7 @@ typedef struct illuminance_rows {
     size_t width, height; /* of the page */
     size_t *left;         /* for each column: map column on the left ... */
     float *share;         /* ... and the share of the one on its right */
+    size_t *end;          /* for each map column: page column where the next one is on the left */
     float *rows[2];       /* two neighbouring map rows */
     float *mixed;         /* their mixture */
     size_t loaded[2];     /* which rows they are */
@@ -36,7 +37,9 @@ typedef struct illuminance_rows {
 bool illuminance_rows_open(illuminance_rows *rows, const illuminance_map *map, size_t width,
                            size_t height);
 void illuminance_rows_close(illuminance_rows *rows);
-/* Row y of the page; false if the file could not be read. Columns first, first + step, ... */
-bool illuminance_row(illuminance_rows *rows, size_t y, size_t first, size_t step, float *out);
+/* All of row y of the page; false if the file could not be read. */
+bool illuminance_row(illuminance_rows *rows, size_t y, float *out);
+/* Its columns x[0..n-1] alone, the same values. */
+bool illuminance_at(illuminance_rows *rows, size_t y, size_t n, const size_t *x, float *out);
 
 #endif

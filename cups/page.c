@@ -3,6 +3,7 @@
 
 #include "memo.h"
 #include "pipeline.h"
+#include "sample.h"
 
 #include <errno.h>
 #include <stdint.h>
@@ -11,13 +12,14 @@
 #include <string.h>
 #include <unistd.h>
 
-#define SAMPLES_MAX ((size_t)1 << 18) /* of a map, for its mean */
+#define MAP_SAMPLES ((size_t)1 << 18) /* light is smooth: so many give the mean of a map */
 
 /* What one thread needs of its own. */
 typedef struct hand {
     illuminance_rows light_rows;
-    float *light;          /* one row */
-    double *r;             /* one row */
+    float *light; /* one row */
+    row_sample sample;
+    double *r;             /* of the sample */
     unsigned char *spread; /* one grey row as RGB */
     memo *seen;            /* colours met before, or NULL: the light varies */
     lcor_mean mean;
@@ -31,9 +33,11 @@ typedef struct page {
     raster_reader *reader;
     raster_writer *writer;
     lcor_plan_options options;
+    lcor_plan *measure;                        /* gives r of a sample */
     lcor_plan *plan;
     lcor_plan *band_plans[PIPELINE_SLOTS_MAX]; /* running mean: each band has its own */
     int spool;                                 /* the page between two passes, or -1 */
+    size_t workers;
     hand hands[PIPELINE_WORKERS_MAX + 1];      /* the last one is the filling thread's */
     bool repeats; /* one plan and the same light everywhere: equal colours stay equal */
 } page;
@@ -76,30 +80,31 @@ static void gather_grey(const raster_format *format, const unsigned char *rgb, u
     }
 }
 
-/* The light on row y, and the row as the plan wants it; NULL if the map could not be read. */
-static unsigned char *prepare(const page *p, hand *h, size_t y, unsigned char *row)
+static bool no_light(const page *p)
 {
-    if (!illuminance_row(&h->light_rows, y, 0, 1, h->light)) {
-        filter_say("ERROR", "page %u: the illuminance map cannot be read any more", p->number);
-        return NULL;
-    }
-    if (p->format->samples == 3)
-        return row;
-    spread_grey(p->format, row, h->spread);
-    return h->spread;
+    filter_say("ERROR", "page %u: the illuminance map cannot be read any more", p->number);
+    return false;
+}
+
+/* r of the pixels that stand for row y; `row` may be NULL where only light counts. */
+static bool measure_row(const page *p, hand *h, size_t y, const unsigned char *row)
+{
+    row_sample *s = &h->sample;
+    row_sample_place(s, y);
+    if (row)
+        row_sample_take(s, row);
+    if (!illuminance_at(&h->light_rows, y, s->count, s->x, h->light))
+        return no_light(p);
+    lcor_plan_reflectance_row(p->measure, s->count, s->texels, h->light, NULL, h->r);
+    lcor_mean_add(&h->mean, s->count, h->r, NULL);
+    return true;
 }
 
 static bool measure_rows(const page *p, hand *h, const pipeline_band *band)
 {
-    const raster_format *format = p->format;
-    for (size_t i = 0; i < band->rows; i++) {
-        const unsigned char *texels =
-            prepare(p, h, band->first + i, band->pixels + i * format->row_bytes);
-        if (!texels)
+    for (size_t i = 0; i < band->rows; i++)
+        if (!measure_row(p, h, band->first + i, band->pixels + i * p->format->row_bytes))
             return false;
-        lcor_plan_reflectance_row(p->plan, format->width, texels, h->light, NULL, h->r);
-        lcor_mean_add(&h->mean, format->width, h->r, NULL);
-    }
     return true;
 }
 
@@ -155,12 +160,12 @@ static bool empty_to_raster(void *user, pipeline_band *band)
     return false;
 }
 
-static bool new_plan(page *p, lcor_plan **plan)
+static bool new_plan(const page *p, const lcor_plan_options *options, lcor_plan **plan)
 {
     lcor_error error;
     lcor_plan_free(*plan);
     *plan = NULL;
-    if (lcor_plan_new(&p->options, plan, &error) == LCOR_OK)
+    if (lcor_plan_new(options, plan, &error) == LCOR_OK)
         return true;
     filter_say("ERROR", "page %u: %s", p->number, error.text);
     return false;
@@ -181,7 +186,7 @@ static bool fill_and_adapt(void *user, pipeline_band *band)
     page *p = user;
     hand *h = &p->hands[PIPELINE_WORKERS_MAX];
     return fill_from_raster(p, band) && measure_rows(p, h, band) && take_mean(p, &h->mean) &&
-           new_plan(p, &p->band_plans[band->slot]);
+           new_plan(p, &p->options, &p->band_plans[band->slot]);
 }
 
 static bool work_measure(void *user, size_t worker, pipeline_band *band)
@@ -198,10 +203,11 @@ static bool work_correct(void *user, size_t worker, pipeline_band *band)
     const lcor_plan *plan = p->band_plans[band->slot] ? p->band_plans[band->slot] : p->plan;
     for (size_t i = 0; i < band->rows; i++) {
         const size_t y = band->first + i;
-        unsigned char *row = band->pixels + i * format->row_bytes;
-        unsigned char *texels = prepare(p, h, y, row);
-        if (!texels)
-            return false;
+        unsigned char *row = band->pixels + i * format->row_bytes, *texels = row;
+        if (!illuminance_row(&h->light_rows, y, h->light))
+            return no_light(p);
+        if (format->samples == 1)
+            spread_grey(format, row, texels = h->spread);
         if (h->seen)
             memo_correct_row(h->seen, plan, format->width, texels, h->light);
         else
@@ -233,32 +239,19 @@ static bool run(page *p, bool (*fill)(void *, pipeline_band *),
     return good;
 }
 
-/* Patch reading: r is the map times a constant, so the pixels play no part and a grid of the map
- * gives its mean before the page is read. */
+/* Patch reading: r is the map times a constant, so the pixels play no part and the map gives its
+ * mean before the page is read. */
 static bool mean_of_map(page *p)
 {
-    const raster_format *format = p->format;
     hand *h = &p->hands[0];
-    size_t step = 1;
+    const size_t step = 1 + p->format->height / (1 + MAP_SAMPLES / h->sample.count);
     if (p->job->map.width == 0) { /* a rho or a tone curve of its own */
         p->options.r_mean = p->job->rho;
         return true;
     }
-    if (!new_plan(p, &p->plan)) /* measures; any mean will do */
-        return false;
-    while ((format->width / step + 1) * (format->height / step + 1) > SAMPLES_MAX)
-        step++;
-    const size_t x0 = step / 2 < format->width ? step / 2 : 0;
-    const size_t y0 = step / 2 < format->height ? step / 2 : 0;
-    const size_t columns = (format->width - x0 - 1) / step + 1;
-    for (size_t y = y0; y < format->height; y += step) {
-        if (!illuminance_row(&h->light_rows, y, x0, step, h->light)) {
-            filter_say("ERROR", "page %u: the illuminance map cannot be read", p->number);
+    for (size_t y = step / 2; y < p->format->height; y += step)
+        if (!measure_row(p, h, y, NULL))
             return false;
-        }
-        lcor_plan_reflectance_row(p->plan, columns, NULL, h->light, NULL, h->r);
-        lcor_mean_add(&h->mean, columns, h->r, NULL);
-    }
     return take_mean(p, &h->mean);
 }
 
@@ -275,34 +268,43 @@ static bool mean_of_pixels(page *p)
         return false;
     }
     unlink(path); /* gone with this process, however it ends */
-    if (!new_plan(p, &p->plan) || !run(p, fill_from_raster, work_measure, empty_to_spool))
+    if (!run(p, fill_from_raster, work_measure, empty_to_spool))
         return false;
-    for (size_t i = 1; i < pipeline_workers(); i++)
+    for (size_t i = 1; i < p->workers; i++)
         if (lcor_mean_merge(&p->hands[0].mean, &p->hands[i].mean, NULL) != LCOR_OK)
             return false;
     return take_mean(p, &p->hands[0].mean);
 }
 
-static bool make_hands(page *p)
+static bool make_hand(const page *p, hand *h)
 {
     const size_t width = p->format->width;
-    for (size_t i = 0; i <= PIPELINE_WORKERS_MAX; i++) {
-        hand *h = &p->hands[i];
-        if (i >= pipeline_workers() && i < PIPELINE_WORKERS_MAX)
-            continue;
-        lcor_mean_init(&h->mean);
-        h->light = malloc(width * sizeof *h->light);
-        h->r = malloc(width * sizeof *h->r);
-        h->spread = p->format->samples == 1 ? malloc(width * 6) : NULL;
-        h->seen = p->repeats ? calloc(1, sizeof *h->seen) : NULL;
-        if (!h->light || !h->r || (p->format->samples == 1 && !h->spread) ||
-            (p->repeats && !h->seen) ||
-            !illuminance_rows_open(&h->light_rows, &p->job->map, width, p->format->height)) {
-            filter_say("ERROR", "page %u: no memory for rows of %zu pixels", p->number, width);
+    const bool is_grey = p->format->samples == 1;
+    lcor_mean_init(&h->mean);
+    h->light = malloc(width * sizeof *h->light);
+    h->spread = is_grey ? malloc(width * 6) : NULL;
+    h->seen = p->repeats ? calloc(1, sizeof *h->seen) : NULL;
+    if (h->light && (h->spread || !is_grey) && (h->seen || !p->repeats) &&
+        row_sample_open(&h->sample, p->format) &&
+        (h->r = malloc(h->sample.count * sizeof *h->r)) &&
+        illuminance_rows_open(&h->light_rows, &p->job->map, width, p->format->height))
+        return true;
+    filter_say("ERROR", "page %u: no memory for rows of %zu pixels", p->number, width);
+    return false;
+}
+
+/* What the threads need of their own, and what tells them r. `filler`: the filling thread too. */
+static bool make_hands(page *p, bool filler)
+{
+    lcor_plan_options options = p->options;
+    options.in_layout = options.out_layout = (lcor_layout){0}; /* as samples lie */
+    p->workers = pipeline_workers(p->format->height, p->format->row_bytes);
+    for (size_t i = 0; i < p->workers; i++)
+        if (!make_hand(p, &p->hands[i]))
             return false;
-        }
-    }
-    return true;
+    if (filler && !make_hand(p, &p->hands[PIPELINE_WORKERS_MAX]))
+        return false;
+    return new_plan(p, &options, &p->measure);
 }
 
 static void close_page(page *p)
@@ -312,10 +314,12 @@ static void close_page(page *p)
         free(p->hands[i].r);
         free(p->hands[i].spread);
         free(p->hands[i].seen);
+        row_sample_close(&p->hands[i].sample);
         illuminance_rows_close(&p->hands[i].light_rows);
     }
     for (size_t i = 0; i < PIPELINE_SLOTS_MAX; i++)
         lcor_plan_free(p->band_plans[i]);
+    lcor_plan_free(p->measure);
     lcor_plan_free(p->plan);
     if (p->spool >= 0)
         close(p->spool);
@@ -407,7 +411,7 @@ bool page_correct(const filter_job *job, unsigned number, const raster_format *f
     set_options(p);
     p->repeats = job->map.width == 0 && format->type == LCOR_U8 &&
                  p->options.in_layout.pixel_step == 3 && (job->two_passes || !of_pixels);
-    bool good = make_hands(p);
+    bool good = make_hands(p, of_pixels && !job->two_passes);
     bool (*fill)(void *, pipeline_band *) = fill_from_raster;
     if (good && of_pixels && job->two_passes) {
         good = mean_of_pixels(p);
@@ -417,7 +421,7 @@ bool page_correct(const filter_job *job, unsigned number, const raster_format *f
     } else if (good && !job->r_mean_given) {
         good = mean_of_map(p);
     }
-    good = good && new_plan(p, &p->plan) && run(p, fill, work_correct, empty_to_raster);
+    good = good && new_plan(p, &p->options, &p->plan) && run(p, fill, work_correct, empty_to_raster);
     if (good)
         report(p);
     close_page(p);

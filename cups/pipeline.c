@@ -28,15 +28,26 @@ typedef struct worker {
     size_t index;
 } worker;
 
-size_t pipeline_workers(void)
+/* Rows in a band; the last one may have fewer. */
+static size_t rows_of_band(size_t height, size_t row_bytes)
 {
-    const long n = sysconf(_SC_NPROCESSORS_ONLN);
-    return n < 1 ? 1 : n > PIPELINE_WORKERS_MAX ? PIPELINE_WORKERS_MAX : (size_t)n;
+    const size_t rows = row_bytes < BAND_BYTES ? BAND_BYTES / row_bytes : 1;
+    return rows < height ? rows : height;
 }
 
-size_t pipeline_band_rows(size_t row_bytes)
+static size_t bands_of_page(size_t height, size_t row_bytes)
 {
-    return row_bytes < BAND_BYTES ? BAND_BYTES / row_bytes : 1;
+    return (height - 1) / rows_of_band(height, row_bytes) + 1;
+}
+
+size_t pipeline_workers(size_t height, size_t row_bytes)
+{
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    const size_t bands = bands_of_page(height, row_bytes);
+    size_t n = processors < 1 ? 1 : (size_t)processors;
+    if (n > PIPELINE_WORKERS_MAX)
+        n = PIPELINE_WORKERS_MAX;
+    return n < bands ? n : bands;
 }
 
 /* Band i has reached `stage`; or it failed, and nothing from it on will be used. */
@@ -109,7 +120,7 @@ static bool run_threads(belt *b, bool *good)
 {
     pthread_t threads[PIPELINE_WORKERS_MAX + 1];
     worker workers[PIPELINE_WORKERS_MAX];
-    const size_t wanted = pipeline_workers();
+    const size_t wanted = pipeline_workers(b->pipeline->height, b->pipeline->row_bytes);
     size_t started = 0;
     const bool filler = pthread_create(&threads[wanted], NULL, fill_all, b) == 0;
     for (; filler && started < wanted; started++) {
@@ -129,12 +140,10 @@ static bool run_threads(belt *b, bool *good)
 
 bool pipeline_run(const pipeline *p, bool *no_memory)
 {
-    belt b = {.pipeline = p, .slots = pipeline_workers() + 2};
+    belt b = {.pipeline = p, .slots = pipeline_workers(p->height, p->row_bytes) + 2};
     bool good = false;
-    b.band_rows = pipeline_band_rows(p->row_bytes);
-    if (b.band_rows > p->height)
-        b.band_rows = p->height;
-    b.band_count = (p->height - 1) / b.band_rows + 1;
+    b.band_rows = rows_of_band(p->height, p->row_bytes);
+    b.band_count = bands_of_page(p->height, p->row_bytes);
     b.usable = b.band_count;
     if (b.slots > b.band_count)
         b.slots = b.band_count;

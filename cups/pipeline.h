@@ -26,10 +26,9 @@ typedef struct pipeline {
 #define PIPELINE_WORKERS_MAX 8
 #define PIPELINE_SLOTS_MAX   (PIPELINE_WORKERS_MAX + 2) /* one being filled, one being emptied */
 
-/* Number of workers on this machine, 1..PIPELINE_WORKERS_MAX. */
-size_t pipeline_workers(void);
-/* Rows in a band (the last one may have fewer): about 256 KiB, whatever the machine. */
-size_t pipeline_band_rows(size_t row_bytes);
+/* Number of workers that a page gets on this machine, 1..PIPELINE_WORKERS_MAX. Bands are about
+ * 256 KiB whatever the machine, and none works on less than one. */
+size_t pipeline_workers(size_t height, size_t row_bytes);
 /* True if every band went through. False with *no_memory set if it could not start. */
 bool pipeline_run(const pipeline *pipeline, bool *no_memory);
 
