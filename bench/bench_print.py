@@ -160,9 +160,10 @@ def throughput(rastertolcor: Path, folder: Path) -> dict[str, Any]:
             memory = max(memory, *(peak([*correct, o], folder / kind) for o in settings.values()))
     return results.table(
         "rastertolcor: A4, 600 dpi, RGB of 8 bits",
-        f"From file to file in memory, in turn with a filter that only copies lines through libcups "
-        f"(bench/copy_raster.c); medians of {TURNS} turns. The ratio is of elapsed time. CUPS raster "
-        f"is raw, PWG raster compressed. Memory at its peak, of all: {memory:.1f} MB.",
+        "From file to file in memory, in turn with a filter that only copies lines through "
+        f"libcups (bench/copy_raster.c); medians of {TURNS} turns. The ratio is of elapsed time. "
+        "CUPS raster is raw, PWG raster compressed. Memory at its peak, of all: "
+        f"{memory:.1f} MB.",
         ["page", "raster", "filter", "elapsed s", "over copy", "processor s"],
         rows,
     )
@@ -228,8 +229,8 @@ def parts_of_a_page(rastertolcor: Path) -> dict[str, Any]:
         note("rows so far", 0.0, shown, whole)
     return results.table(
         "A page read once: the mean of r from a part of it",
-        "Worst of the photographs of mate-backgrounds, 900 pixels wide; texel reading, contrast 23.4, "
-        "against the mean of r over the whole page.",
+        "Worst of the photographs of mate-backgrounds, 900 pixels wide; texel reading, contrast "
+        "23.4, against the mean of r over the whole page.",
         ["mean from", "error of mean", "mean dL*", "99 % of dL*"],
         [[source, *numbers] for source, numbers in worst.items()],
     )

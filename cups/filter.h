@@ -34,6 +34,7 @@ typedef struct filter_job {
     illuminance_map map; /* width 0: the same light everywhere */
     float *tone_curve;
     size_t tone_size;
+    size_t threads; /* that correct; 0: one for each processor */
     bool say_pages; /* PAGE lines: no later filter counts them */
 } filter_job;
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "filter.h"
+#include "pipeline.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -30,7 +31,8 @@ static const struct setting {
                 {"lcor-rho", "LcorRho"},
                 {"lcor-exponent", "LcorExponent"},
                 {"lcor-gamut", "LcorGamut"},
-                {"lcor-lightness", "LcorLightness"}};
+                {"lcor-lightness", "LcorLightness"},
+                {"lcor-threads", "LcorThreads"}};
 
 typedef struct source {
     int option_count;
@@ -85,6 +87,19 @@ static bool number(const source *from, const char *option, double *out)
         return false;
     }
     return true;
+}
+
+static bool threads(const source *from, size_t *out)
+{
+    double n = 0.0;
+    if (!number(from, "lcor-threads", &n))
+        return false;
+    if (n >= 0.0 && n <= PIPELINE_WORKERS_MAX && n == (double)(size_t)n) {
+        *out = (size_t)n;
+        return true;
+    }
+    filter_say("ERROR", "lcor-threads: choose 1 to %d", PIPELINE_WORKERS_MAX);
+    return false;
 }
 
 /* The file a setting names, in `path`; empty for none. What the scheduler runs opens for a job only
@@ -282,7 +297,7 @@ bool job_open(filter_job *job, int option_count, cups_option_t *options, ppd_fil
     job->correct = correct;
     if (!correct)
         return true;
-    if (!choose(&from, "lcor-passes", passes, &second) ||
+    if (!threads(&from, &job->threads) || !choose(&from, "lcor-passes", passes, &second) ||
         !choose(&from, "lcor-reading", reading, &read) ||
         !choose(&from, "lcor-gamut", gamut, &fit) ||
         !choose(&from, "lcor-lightness", lightness, &light) ||

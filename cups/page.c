@@ -33,14 +33,27 @@ typedef struct page {
     raster_reader *reader;
     raster_writer *writer;
     lcor_plan_options options;
-    lcor_plan *measure;                        /* gives r of a sample */
+    lcor_plan *measure; /* gives r of a sample */
     lcor_plan *plan;
     lcor_plan *band_plans[PIPELINE_SLOTS_MAX]; /* running mean: each band has its own */
     int spool;                                 /* the page between two passes, or -1 */
     size_t workers;
-    hand hands[PIPELINE_WORKERS_MAX + 1];      /* the last one is the filling thread's */
+    size_t hand_count; /* one for each worker; with a running mean, then the filling thread's */
+    hand *hands;
     bool repeats; /* one plan and the same light everywhere: equal colours stay equal */
 } page;
+
+/* The mean of r depends on the pixels ... */
+static bool is_mean_of_pixels(const filter_job *job)
+{
+    return job->reading == LCOR_READING_TEXEL && !job->r_mean_given;
+}
+
+/* ... and is that of the rows so far. */
+static bool is_running_mean(const filter_job *job)
+{
+    return is_mean_of_pixels(job) && !job->two_passes;
+}
 
 /* ---- rows ---- */
 
@@ -184,7 +197,7 @@ static bool take_mean(page *p, const lcor_mean *mean)
 static bool fill_and_adapt(void *user, pipeline_band *band)
 {
     page *p = user;
-    hand *h = &p->hands[PIPELINE_WORKERS_MAX];
+    hand *h = &p->hands[p->hand_count - 1];
     return fill_from_raster(p, band) && measure_rows(p, h, band) && take_mean(p, &h->mean) &&
            new_plan(p, &p->options, &p->band_plans[band->slot]);
 }
@@ -230,7 +243,8 @@ static bool run(page *p, bool (*fill)(void *, pipeline_band *),
                 bool (*work)(void *, size_t, pipeline_band *),
                 bool (*empty)(void *, pipeline_band *))
 {
-    const pipeline line = {p->format->height, p->format->row_bytes, fill, work, empty, p};
+    const pipeline line = {
+        p->format->height, p->format->row_bytes, p->workers, fill, work, empty, p};
     bool no_memory;
     const bool good = pipeline_run(&line, &no_memory);
     if (no_memory)
@@ -270,7 +284,7 @@ static bool mean_of_pixels(page *p)
     unlink(path); /* gone with this process, however it ends */
     if (!run(p, fill_from_raster, work_measure, empty_to_spool))
         return false;
-    for (size_t i = 1; i < p->workers; i++)
+    for (size_t i = 1; i < p->hand_count; i++)
         if (lcor_mean_merge(&p->hands[0].mean, &p->hands[i].mean, NULL) != LCOR_OK)
             return false;
     return take_mean(p, &p->hands[0].mean);
@@ -285,31 +299,33 @@ static bool make_hand(const page *p, hand *h)
     h->spread = is_grey ? malloc(width * 6) : NULL;
     h->seen = p->repeats ? calloc(1, sizeof *h->seen) : NULL;
     if (h->light && (h->spread || !is_grey) && (h->seen || !p->repeats) &&
-        row_sample_open(&h->sample, p->format) &&
-        (h->r = malloc(h->sample.count * sizeof *h->r)) &&
+        row_sample_open(&h->sample, p->format) && (h->r = malloc(h->sample.count * sizeof *h->r)) &&
         illuminance_rows_open(&h->light_rows, &p->job->map, width, p->format->height))
         return true;
     filter_say("ERROR", "page %u: no memory for rows of %zu pixels", p->number, width);
     return false;
 }
 
-/* What the threads need of their own, and what tells them r. `filler`: the filling thread too. */
-static bool make_hands(page *p, bool filler)
+/* What the threads need of their own, and what tells them r. */
+static bool make_hands(page *p)
 {
     lcor_plan_options options = p->options;
     options.in_layout = options.out_layout = (lcor_layout){0}; /* as samples lie */
-    p->workers = pipeline_workers(p->format->height, p->format->row_bytes);
-    for (size_t i = 0; i < p->workers; i++)
+    p->hand_count = p->workers + is_running_mean(p->job);
+    p->hands = calloc(p->hand_count, sizeof *p->hands);
+    if (!p->hands) {
+        filter_say("ERROR", "page %u: no memory", p->number);
+        return false;
+    }
+    for (size_t i = 0; i < p->hand_count; i++)
         if (!make_hand(p, &p->hands[i]))
             return false;
-    if (filler && !make_hand(p, &p->hands[PIPELINE_WORKERS_MAX]))
-        return false;
     return new_plan(p, &options, &p->measure);
 }
 
 static void close_page(page *p)
 {
-    for (size_t i = 0; i <= PIPELINE_WORKERS_MAX; i++) {
+    for (size_t i = 0; p->hands && i < p->hand_count; i++) {
         free(p->hands[i].light);
         free(p->hands[i].r);
         free(p->hands[i].spread);
@@ -317,6 +333,7 @@ static void close_page(page *p)
         row_sample_close(&p->hands[i].sample);
         illuminance_rows_close(&p->hands[i].light_rows);
     }
+    free(p->hands);
     for (size_t i = 0; i < PIPELINE_SLOTS_MAX; i++)
         lcor_plan_free(p->band_plans[i]);
     lcor_plan_free(p->measure);
@@ -348,7 +365,7 @@ static void set_options(page *p)
 static void report(const page *p)
 {
     lcor_row_stats sum = {0};
-    for (size_t i = 0; i < PIPELINE_WORKERS_MAX; i++) {
+    for (size_t i = 0; i < p->hand_count; i++) {
         const lcor_row_stats *s = &p->hands[i].stats;
         sum.pixels += s->pixels;
         sum.clipped_low += s->clipped_low;
@@ -371,18 +388,20 @@ static void report(const page *p)
                    p->number, (unsigned long long)sum.non_finite);
 }
 
-static page *open_page(unsigned number, const raster_format *format, raster_reader *reader,
-                       raster_writer *writer)
+static page *open_page(const filter_job *job, unsigned number, const raster_format *format,
+                       raster_reader *reader, raster_writer *writer)
 {
     page *p = calloc(1, sizeof *p);
     if (!p) {
         filter_say("ERROR", "page %u: no memory", number);
         return NULL;
     }
+    p->job = job;
     p->number = number;
     p->format = format;
     p->reader = reader;
     p->writer = writer;
+    p->workers = pipeline_workers(job->threads, format->height, format->row_bytes);
     p->spool = -1;
     return p;
 }
@@ -397,11 +416,9 @@ static bool changes_nothing(const filter_job *job)
 bool page_correct(const filter_job *job, unsigned number, const raster_format *format,
                   raster_reader *reader, raster_writer *writer)
 {
-    const bool of_pixels = job->reading == LCOR_READING_TEXEL && !job->r_mean_given;
-    page *p = open_page(number, format, reader, writer);
+    page *p = open_page(job, number, format, reader, writer);
     if (!p)
         return false;
-    p->job = job;
     if (changes_nothing(job)) {
         filter_say("DEBUG", "page %u: the light is even, which changes nothing", number);
         const bool copied = run(p, fill_from_raster, work_nothing, empty_to_raster);
@@ -410,30 +427,31 @@ bool page_correct(const filter_job *job, unsigned number, const raster_format *f
     }
     set_options(p);
     p->repeats = job->map.width == 0 && format->type == LCOR_U8 &&
-                 p->options.in_layout.pixel_step == 3 && (job->two_passes || !of_pixels);
-    bool good = make_hands(p, of_pixels && !job->two_passes);
+                 p->options.in_layout.pixel_step == 3 && !is_running_mean(job);
+    bool good = make_hands(p);
     bool (*fill)(void *, pipeline_band *) = fill_from_raster;
-    if (good && of_pixels && job->two_passes) {
+    if (is_running_mean(job)) {
+        fill = fill_and_adapt;
+    } else if (good && is_mean_of_pixels(job)) {
         good = mean_of_pixels(p);
         fill = fill_from_spool;
-    } else if (of_pixels) {
-        fill = fill_and_adapt;
     } else if (good && !job->r_mean_given) {
         good = mean_of_map(p);
     }
-    good = good && new_plan(p, &p->options, &p->plan) && run(p, fill, work_correct, empty_to_raster);
+    good =
+        good && new_plan(p, &p->options, &p->plan) && run(p, fill, work_correct, empty_to_raster);
     if (good)
         report(p);
     close_page(p);
     return good;
 }
 
-bool page_copy(unsigned number, const cups_page_header2_t *header, raster_reader *reader,
-               raster_writer *writer)
+bool page_copy(const filter_job *job, unsigned number, const cups_page_header2_t *header,
+               raster_reader *reader, raster_writer *writer)
 {
     const raster_format format = {.height = header->cupsHeight,
                                   .row_bytes = header->cupsBytesPerLine};
-    page *p = open_page(number, &format, reader, writer);
+    page *p = open_page(job, number, &format, reader, writer);
     if (!p)
         return false;
     const bool good = run(p, fill_from_raster, work_nothing, empty_to_raster);

@@ -40,14 +40,16 @@ static size_t bands_of_page(size_t height, size_t row_bytes)
     return (height - 1) / rows_of_band(height, row_bytes) + 1;
 }
 
-size_t pipeline_workers(size_t height, size_t row_bytes)
+size_t pipeline_workers(size_t wanted, size_t height, size_t row_bytes)
 {
-    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
     const size_t bands = bands_of_page(height, row_bytes);
-    size_t n = processors < 1 ? 1 : (size_t)processors;
-    if (n > PIPELINE_WORKERS_MAX)
-        n = PIPELINE_WORKERS_MAX;
-    return n < bands ? n : bands;
+    if (wanted == 0) {
+        const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+        wanted = processors < 1 ? 1 : (size_t)processors;
+    }
+    if (wanted > PIPELINE_WORKERS_MAX)
+        wanted = PIPELINE_WORKERS_MAX;
+    return wanted < bands ? wanted : bands;
 }
 
 /* Band i has reached `stage`; or it failed, and nothing from it on will be used. */
@@ -120,7 +122,7 @@ static bool run_threads(belt *b, bool *good)
 {
     pthread_t threads[PIPELINE_WORKERS_MAX + 1];
     worker workers[PIPELINE_WORKERS_MAX];
-    const size_t wanted = pipeline_workers(b->pipeline->height, b->pipeline->row_bytes);
+    const size_t wanted = b->pipeline->workers;
     size_t started = 0;
     const bool filler = pthread_create(&threads[wanted], NULL, fill_all, b) == 0;
     for (; filler && started < wanted; started++) {
@@ -140,7 +142,7 @@ static bool run_threads(belt *b, bool *good)
 
 bool pipeline_run(const pipeline *p, bool *no_memory)
 {
-    belt b = {.pipeline = p, .slots = pipeline_workers(p->height, p->row_bytes) + 2};
+    belt b = {.pipeline = p, .slots = p->workers + 2};
     bool good = false;
     b.band_rows = rows_of_band(p->height, p->row_bytes);
     b.band_count = bands_of_page(p->height, p->row_bytes);

@@ -16,6 +16,7 @@ typedef struct pipeline_band {
 
 typedef struct pipeline {
     size_t height, row_bytes;
+    size_t workers; /* what pipeline_workers says */
     /* False ends everything, as soon as the bands before it have gone through. */
     bool (*fill)(void *user, pipeline_band *band);
     bool (*work)(void *user, size_t worker, pipeline_band *band);
@@ -26,9 +27,9 @@ typedef struct pipeline {
 #define PIPELINE_WORKERS_MAX 8
 #define PIPELINE_SLOTS_MAX   (PIPELINE_WORKERS_MAX + 2) /* one being filled, one being emptied */
 
-/* Number of workers that a page gets on this machine, 1..PIPELINE_WORKERS_MAX. Bands are about
- * 256 KiB whatever the machine, and none works on less than one. */
-size_t pipeline_workers(size_t height, size_t row_bytes);
+/* Number of workers for a page, 1..PIPELINE_WORKERS_MAX: as many as wanted (0: as there are
+ * processors), but none has less to do than a band, which is about 256 KiB whatever the machine. */
+size_t pipeline_workers(size_t wanted, size_t height, size_t row_bytes);
 /* True if every band went through. False with *no_memory set if it could not start. */
 bool pipeline_run(const pipeline *pipeline, bool *no_memory);
 

@@ -22,7 +22,8 @@ static const char usage[] =
     "  lcor-mean=adaptive|literal|NUMBER      mean of the virtual reflectance r\n"
     "  lcor-passes=2|1                        1: with texels, the mean of the rows so far\n"
     "  lcor-reading=patch|texel  lcor-rho=R  lcor-exponent=T\n"
-    "  lcor-gamut=keep-hue|clip  lcor-lightness=cie|paper  lcor-correction=on|off\n";
+    "  lcor-gamut=keep-hue|clip  lcor-lightness=cie|paper  lcor-correction=on|off\n"
+    "  lcor-threads=N                         1 to 8\n";
 
 /* Nothing is left behind: temporary files have no name any more. */
 static void cancel(int number)

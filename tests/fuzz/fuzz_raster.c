@@ -74,32 +74,47 @@ static uint32_t get_word(const uint8_t *data, size_t member)
 
 #define AT(member) offsetof(cups_page_header2_t, member)
 
-/* libFuzzer's mutations; then three headers of four are made to agree with themselves, or hardly
- * any input would come to its pixels. Lines above 1 MiB are rare: libcups allocates them unseen,
- * and a sanitizer needs a second to mark the gigabytes that a random word asks for. */
+/* Header words that agree with each other, or hardly any input would come to its pixels. */
+static void make_honest(uint8_t *data, unsigned seed)
+{
+    static const uint32_t spaces[] = {CUPS_CSPACE_W,  CUPS_CSPACE_RGB,  CUPS_CSPACE_K,
+                                      CUPS_CSPACE_SW, CUPS_CSPACE_SRGB, CUPS_CSPACE_ADOBERGB};
+    const uint32_t space = spaces[seed % 6], bits = seed / 8 % 2 ? 8 : 16;
+    const uint32_t colours = space == CUPS_CSPACE_RGB || space >= CUPS_CSPACE_SRGB ? 3 : 1;
+    const uint32_t widest = seed / 16 % 1024 == 0 ? 262145 : seed / 16 % 16 == 0 ? 2000 : 70;
+    const uint32_t width = get_word(data, AT(cupsWidth)) % widest;
+    set_word(data, AT(cupsWidth), width);
+    set_word(data, AT(cupsBitsPerColor), bits);
+    set_word(data, AT(cupsBitsPerPixel), bits * colours);
+    set_word(data, AT(cupsBytesPerLine), width * colours * bits / 8);
+    set_word(data, AT(cupsColorOrder), seed / 16384 % 2);
+    set_word(data, AT(cupsColorSpace), space);
+    set_word(data, AT(cupsNumColors), colours);
+}
+
+/* Few bytes can say that a row comes millions of times. Most pages have some ten rows, a few enough
+ * for several bands of the pipeline, and very few as many as they like. */
+static void limit_height(uint8_t *data, unsigned seed)
+{
+    const uint32_t width = get_word(data, AT(cupsWidth)), height = get_word(data, AT(cupsHeight));
+    const uint32_t highest = seed % 256 == 0 && width < 4096 ? (1u << 18) / (width + 1) : 20;
+    if (height > highest && seed % 8192 != 1)
+        set_word(data, AT(cupsHeight), height % (highest + 1));
+}
+
+/* libFuzzer's mutations; then three headers of four are made to agree with themselves. Lines above
+ * 64 KiB are rare: libcups allocates them unseen, and a sanitizer needs a second to mark the
+ * gigabytes that a random word asks for. */
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t capacity, unsigned seed)
 {
     size = LLVMFuzzerMutate(data, size, capacity);
     if (size < 5 + sizeof(cups_page_header2_t))
         return size;
-    if (seed % 4 != 0) {
-        static const uint32_t spaces[] = {CUPS_CSPACE_W,  CUPS_CSPACE_RGB,  CUPS_CSPACE_K,
-                                          CUPS_CSPACE_SW, CUPS_CSPACE_SRGB, CUPS_CSPACE_ADOBERGB};
-        const uint32_t space = spaces[seed / 4 % 6], bits = seed / 32 % 2 ? 8 : 16;
-        const uint32_t colours = space == CUPS_CSPACE_RGB || space >= CUPS_CSPACE_SRGB ? 3 : 1;
-        const uint32_t width = get_word(data, AT(cupsWidth)) % (seed / 64 % 16 ? 300 : 262145);
-        set_word(data, AT(cupsWidth), width);
-        set_word(data, AT(cupsBitsPerColor), bits);
-        set_word(data, AT(cupsBitsPerPixel), bits * colours);
-        set_word(data, AT(cupsBytesPerLine), width * colours * bits / 8);
-        set_word(data, AT(cupsColorOrder), seed / 1024 % 2);
-        set_word(data, AT(cupsColorSpace), space);
-        set_word(data, AT(cupsNumColors), colours);
-        if (seed / 2048 % 16)
-            set_word(data, AT(cupsHeight), get_word(data, AT(cupsHeight)) % 600);
-    } else if (get_word(data, AT(cupsBytesPerLine)) > 1u << 20 && seed / 64 % 64) {
-        set_word(data, AT(cupsBytesPerLine), get_word(data, AT(cupsBytesPerLine)) % (1u << 20));
-    }
+    if (seed % 4 != 0)
+        make_honest(data, seed / 4);
+    else if (get_word(data, AT(cupsBytesPerLine)) > 1u << 16 && seed / 4 % 1024)
+        set_word(data, AT(cupsBytesPerLine), get_word(data, AT(cupsBytesPerLine)) % (1u << 16));
+    limit_height(data, seed / 131072);
     return size;
 }
 #endif

@@ -386,6 +386,41 @@ def test_the_mean_of_two_passes_can_be_saved_and_given_back(correct, tmp_path):
     ]  # nothing is left of the spooled page
 
 
+@pytest.mark.parametrize(
+    ("space", "dtype", "order"), [(SRGB, np.uint8, BANDED), (K, np.uint16, raster.CHUNKED)]
+)
+def test_a_large_page_gives_its_mean_by_a_million_pixels(correct, tmp_path, space, dtype, order):
+    height, width, top = 1024, 2048, np.iinfo(dtype).max
+    y, x = np.mgrid[0:height, 0:width]
+    grey = np.where(x % 2 == 1, 0.9, 0.2 + 0.6 * y / height)  # a grid hits or misses
+    grey[height // 3 : height // 2, width // 2 :] = 0.02
+    pixels = np.round(grey[..., None] * [1, 0.8, 0.6] * top)[..., : 3 if space == SRGB else 1]
+    light = save_pfm(tmp_path / "map.pfm", ramp(height, width))
+    result = correct(
+        raster.write([Page(pixels.astype(dtype), space, order)]),
+        f"lcor-contrast=8 lcor-reading=texel lcor-illuminance={light}",
+    )
+    stored = pixels / top if space == SRGB else 1 - pixels / top
+    linear = np.where(stored <= 0.04045, stored / 12.92, ((stored + 0.055) / 1.055) ** 2.4)
+    luminance = linear @ ([0.2126729, 0.7151522, 0.072175] if space == SRGB else [1])
+    logs = np.log(luminance * ramp(height, width))
+    mean = logs.mean()
+    for _ in range(12):
+        mean = np.maximum(logs, mean - np.log(10)).mean()
+    # The worst of patterns: r of two neighbours is e^2 about their mean. Five deviations.
+    assert mean_said(result)[0] == pytest.approx(np.exp(mean), rel=1e-2)
+
+
+@pytest.mark.parametrize("options", ["", "lcor-reading=texel", "lcor-reading=texel lcor-passes=1"])
+def test_the_bytes_do_not_depend_on_the_number_of_threads(correct, tmp_path, options):
+    data = raster.write([Page(picture(1300, 1000))])  # sixteen bands, and more than 2^20 pixels
+    light = save_pfm(tmp_path / "map.pfm", ramp(5, 7))
+    options += f" lcor-contrast=8 lcor-illuminance={light}"
+    one, *more = (correct(data, f"{options} lcor-threads={n}") for n in (1, 2, 3, 8))
+    assert one.code == 0 and one.out[-1000:] != data[-1000:]
+    assert all(run.out == one.out for run in more)
+
+
 def test_one_pass_ends_at_the_mean_of_the_page(correct):
     pixels = picture(900, 300)
     pixels[:450] //= 2
@@ -409,6 +444,7 @@ def test_one_pass_ends_at_the_mean_of_the_page(correct):
         ("lcor-contrast=5 lcor-rho=7", "rho"),
         ("lcor-contrast=5 lcor-exponent=-1", "exponent"),
         ("lcor-contrats=5", "unknown option"),
+        ("lcor-contrast=5 lcor-threads=9", "choose 1 to 8"),
         ("lcor-contrast=5 lcor-reading=both", "choose one of patch, texel"),
         ("lcor-contrast=5 lcor-mean=some", "adaptive, literal or a number"),
         ("lcor-profile=/nowhere/profile", "No such file"),
