@@ -33,10 +33,10 @@ double lcor_direct_unshadowed(const lcor_light *light, const double x[3], const 
     if (light->kind == LCOR_LIGHT_DIRECTIONAL)
         return fmax(0, -vec_dot(light->direction, normal));
     vec_sub(light->position, x, to);
+    if (!(vec_dot(to, normal) > 0))
+        return 0;
     distance = vec_normalize(to);
     cosine = vec_dot(to, normal);
-    if (!(cosine > 0))
-        return 0;
     value = cosine / distance / distance * range_factor(light, distance);
     if (light->kind == LCOR_LIGHT_SPOT)
         value *= spot_factor(light, -vec_dot(to, light->direction));

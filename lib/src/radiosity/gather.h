@@ -123,10 +123,15 @@ static inline gather_leaf *gather_leaf_at(const gather *g, size_t i)
     return (gather_leaf *)g->leaves.items + i;
 }
 
-/* Whether a ray of that length is too short to read the leaf's field. */
+/* Rays shorter than this do not read the leaf's field. */
+static inline double gather_reach(const gather_leaf *l, double near)
+{
+    return 2 * near * fmax(l->half[0], l->half[1]);
+}
+
 static inline int gather_is_near(const gather_leaf *l, double near, double distance)
 {
-    return !(distance > 2 * near * fmax(l->half[0], l->half[1]));
+    return !(distance > gather_reach(l, near));
 }
 
 /* What is this close to a place on the leaf hides it from rays that come from afar. */
@@ -243,7 +248,8 @@ uint64_t gather_answer(const gather *g, const gather_query *q, double *total, do
 /* gather_error.c: relative errors of answers at n places. Without memory or when cancelled: 0. */
 typedef struct gather_errors {
     double rms, max;
-    double noise, field; /* parts of rms: of the answer's rays, and of the field they read */
+    double noise, field; /* parts of rms: of the answer's rays, and of the field they read; */
+    double bias;         /* what the latter have in common */
 } gather_errors;
 int gather_estimate(gather *g, size_t n, gather_errors *out);
 /* Mean irradiance over the fronts of all surfaces, near enough to tell what is dark. */

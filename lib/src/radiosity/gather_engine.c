@@ -12,7 +12,7 @@
 enum { ROUNDS_MAX = 8, SLICE = 128, SAMPLE = 64, PATCHES = 32 };
 
 /* Leaves wanted, and rays of one on average, at a tolerance of 1 %. */
-static const double leaves_wanted = 100, rays_wanted = 500;
+static const double leaves_wanted = 100, rays_wanted = 400;
 /* Rays a second, before any have been traced. */
 static const double rate_guess = 3e5;
 /* Samples that an answer may take, and those it may always take. */
@@ -21,6 +21,11 @@ static const double samples_most = 1 << 18, samples_least = 128;
 static const double stop_share = 0.85, aim = 0.85;
 /* Answers are not pursued further than this, and when a limit is met, than that. */
 static const double stop_least = 5e-4, stop_hurried = 0.01;
+/* Noise goes with this power of `stop` where effort is shared: n samples err by n^-3/4 or so, and
+ * as many are taken as err by stop sqrt(n). */
+static const double shared_power = 0.6;
+/* Part of the tolerance that all answers may err alike, by the field they share. */
+static const double bias_share = 0.1;
 /* Rays of one sample, about: to a target, on to the next surface, and from there. */
 static const double rays_per_sample = 4;
 
@@ -160,6 +165,12 @@ static double wanted_error(const lcor_solution *s, const gather_errors *e)
     return s->options.norm == LCOR_NORM_MAX ? 2 * e->max : e->rms;
 }
 
+static int is_met(const lcor_solution *s, const gather_errors *e)
+{
+    return wanted_error(s, e) <= s->options.tolerance &&
+           e->bias <= bias_share * s->options.tolerance;
+}
+
 static void describe(lcor_solution *s)
 {
     const gather *g = s->state;
@@ -189,30 +200,35 @@ static double noise_wanted(double field, double rms)
     return sqrt(fmax(rms * rms - field * field, 0.25 * rms * rms));
 }
 
-/* Changes `stop` so that *noise becomes `wanted`, or comes as near as one step may go. Effort that
- * is shared errs by the root of `stop`. */
+/* Changes `stop` so that *noise becomes `wanted`, or comes as near as one step may go. */
 static void steer(const gather *g, double wanted, double *stop, double *noise)
 {
-    const double ratio = fmin(fmax(wanted / fmax(*noise, 1e-9), 0.3), 1.5), before = *stop;
+    const double ratio = fmin(fmax(wanted / fmax(*noise, 1e-9), 0.3), 1.25), before = *stop;
+    const double power = g->effort.share ? shared_power : 1;
 
-    *stop = fmax(stop_least, before * (g->effort.share ? ratio * ratio : ratio));
-    *noise *= g->effort.share ? sqrt(*stop / before) : *stop / before;
+    *stop = fmax(stop_least, before * pow(ratio, 1 / power));
+    *noise *= pow(*stop / before, power);
 }
 
-/* More of what the error came from. */
-static void strive(gather *g, const gather_errors *e)
+/* More of what the error came from. Returns whether the field must be made anew. */
+static int strive(gather *g, const gather_errors *e)
 {
     const double rms = rms_wanted(g->solution, e);
+    const double bias = e->bias / (bias_share * g->solution->options.tolerance);
+    const int coarse = e->field > 0.6 * rms;
     double field = e->field, noise = e->noise;
 
-    if (field > 0.6 * rms) {
+    if (coarse) {
         g->effort.rays *= 2;
         g->effort.near *= 1.5;
         g->effort.leaf_size *= 0.75;
         field *= 0.5;
+    } else if (bias > 1) {
+        g->effort.rays *= fmin(bias * bias, 4);
     }
     if (noise > noise_wanted(field, rms))
         steer(g, noise_wanted(field, rms), &g->effort.stop, &noise);
+    return coarse || bias > 1;
 }
 
 /* Answers that are more accurate than asked for cost too much; and averages over patches, whose
@@ -222,8 +238,8 @@ static int settle(gather *g, gather_errors *e)
     const double wanted = noise_wanted(e->field, rms_wanted(g->solution, e));
     double noise;
 
-    if (e->noise < wanted)
-        steer(g, wanted, &g->effort.stop, &e->noise);
+    if (e->noise < wanted) /* half way: it may be small by the sample's luck */
+        steer(g, sqrt(wanted * e->noise), &g->effort.stop, &e->noise);
     g->effort.patch_stop = g->effort.stop;
     if (!gather_patch_noise(g, PATCHES, &noise))
         return 0;
@@ -236,6 +252,7 @@ static int settle(gather *g, gather_errors *e)
 static lcor_status solve(lcor_solution *s, lcor_error *err)
 {
     gather *g = s->state;
+    int new_field = 1;
 
     g->cancelled = g->hurry = 0;
     set_effort(g, s->options.tolerance);
@@ -245,7 +262,7 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
     for (int round = 0; round < ROUNDS_MAX; round++) {
         gather_errors errors;
 
-        if (!gather_grow(g) || !gather_solve_field(g))
+        if (new_field && (!gather_grow(g) || !gather_solve_field(g) || !gather_set_mean(g)))
             goto stopped;
         /* Half of the time left for the places of the estimate, each answered twice. */
         g->effort.samples =
@@ -253,14 +270,14 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
                  samples_most);
         if (g->hurry)
             g->effort.stop = fmax(g->effort.stop, stop_hurried);
-        if (!gather_set_mean(g) || !gather_estimate(g, SAMPLE, &errors))
+        if (!gather_estimate(g, SAMPLE, &errors))
             goto stopped;
-        s->report.converged = wanted_error(s, &errors) <= s->options.tolerance;
+        s->report.converged = is_met(s, &errors);
         g->effort.patch_stop = g->effort.stop;
         if (s->report.converged && s->options.norm == LCOR_NORM_RMS) {
             if (!settle(g, &errors))
                 goto stopped;
-            s->report.converged = errors.rms <= s->options.tolerance;
+            s->report.converged = is_met(s, &errors);
         }
         s->report.error_rms = errors.rms;
         s->report.error_max = errors.max;
@@ -271,7 +288,7 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
             s->report.bytes = gather_bytes(g);
         if (s->report.converged || g->hurry)
             break;
-        strive(g, &errors);
+        new_field = strive(g, &errors);
     }
     describe(s);
     return LCOR_OK;

@@ -175,6 +175,7 @@ void gather_sum_errors(gather_errors *e, size_t count)
 static void summarise(const verdict *verdicts, size_t n, gather_errors *out)
 {
     double noise = 0, field = 0, count = 0;
+    verdict all = {0, 0, {0}, 0};
 
     memset(out, 0, sizeof *out);
     for (size_t i = 0; i < n; i++) {
@@ -184,12 +185,15 @@ static void summarise(const verdict *verdicts, size_t n, gather_errors *out)
         count++;
         noise += square_of_answer(v);
         field += square_of_field(v);
+        for (int k = 0; k < GATHER_GROUPS; k++)
+            all.group[k] += v->group[k];
         out->max = fmax(out->max, sqrt(square_of_answer(v) + square_of_field(v)));
     }
     if (!(count > 0))
         return;
     out->noise = sqrt(noise / count);
     out->field = sqrt(field / count);
+    out->bias = sqrt(square_of_field(&all)) / count;
     gather_sum_errors(out, (size_t)count);
 }
 

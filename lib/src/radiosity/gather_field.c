@@ -193,10 +193,10 @@ static const guide_view *leaf_view(const gather *g, const gather_leaf *leaf, gui
     return guide_look(g, stand.x, stand.normal, g->mean, view) ? view : NULL;
 }
 
-/* Rays read the field where they come from afar. A place is one of those, by reciprocity, as often
- * as a ray from it gets away: what stands on a floor does not darken the floor around it. */
-static int comes_to_light(const gather *g, const gather_leaf *l, const gather_stand *stand,
-                          uint32_t seed)
+/* Rays read the field from afar. By reciprocity a place is read as often as a ray from it gets that
+ * far, and counts so much in the fit: what is hidden behind furniture must not darken what is
+ * seen. */
+static int is_read(const gather *g, const gather_leaf *l, const gather_stand *stand, uint32_t seed)
 {
     uint32_t state = seed;
     double direction[3];
@@ -208,7 +208,7 @@ static int comes_to_light(const gather *g, const gather_leaf *l, const gather_st
         ray.direction[k] = direction[0] * stand->u[k] + direction[1] * stand->v[k] +
                            direction[2] * stand->normal[k];
     ray.t_min = g->touch;
-    ray.t_max = gather_hemmed_in(l);
+    ray.t_max = gather_reach(l, g->effort.near);
     ray.skip = stand->surface;
     return !lcor_bvh_occluded(g->scene->bvh, &ray, NULL);
 }
@@ -223,9 +223,9 @@ static int leaf_sample(const gather *g, size_t leaf, const guide_view *view, uin
 
     sobol_point(&g->sobol, index, seed, 2, 2, place);
     gather_leaf_stand(g, gather_leaf_at(g, leaf), place[0], place[1], at, &stand);
-    if (!comes_to_light(g, gather_leaf_at(g, leaf), &stand, random_hash(seed + 5 + index)))
+    if (!is_read(g, gather_leaf_at(g, leaf), &stand, random_hash(seed + 5 + index)))
         return 0;
-    gather_sample_at(g, &stand, view, 0, index, seed, out);
+    gather_sample_at(g, &stand, view, g->effort.near, index, seed, out);
     return 1;
 }
 

@@ -149,14 +149,16 @@ uint64_t gather_answer(const gather *g, const gather_query *q, double *total, do
     guide_view view;
     sums s = {{0}, {0}, 0};
     uint32_t count = 0;
-    int steps = 0;
+    int steps = 0, enough = 0, done;
 
     if (g->dark)
         return 0;
     if (guide_look(g, q->stand.x, q->stand.normal, expected_at(g, &q->stand, total), &view) &&
         look_out(g, q, &view, &s))
         guided = &view;
-    while (steps == 0 || (steps < DOUBLINGS_MAX && 2 * count <= q->samples)) {
+    /* Rays that have missed something bright err little by their own account. What tells them to
+     * stop is therefore not all of the answer: as many rays follow. */
+    do {
         double scale = 0, allowed, unmet;
 
         for (const uint32_t end = (uint32_t)RAYS_FIRST << steps; count < end; count++)
@@ -170,10 +172,10 @@ uint64_t gather_answer(const gather *g, const gather_query *q, double *total, do
         if (q->share_effort)
             allowed *= sqrt((double)count / RAYS_USUAL);
         unmet = unmet_share * g->mean * g->channels / (double)count;
-        if (steps > DOUBLINGS_USED &&
-            error_squared(g, means, steps) + unmet * unmet <= allowed * allowed)
-            break;
-    }
+        done = enough;
+        enough = steps >= DOUBLINGS_USED &&
+                 error_squared(g, means, steps) + unmet * unmet <= allowed * allowed;
+    } while (!done && steps < DOUBLINGS_MAX && 2 * count <= q->samples);
     for (int c = 0; c < g->channels; c++)
         total[c] += fmax(means[steps - 1][c], 0);
     if (q->variance)
