@@ -40,7 +40,7 @@ typedef struct limits {
 /* The table of one set; `few` is the set whose narrow_template.h and lanes_template.h it takes. */
 #define KERNEL(set, few)                                                                           \
     static const lcor_kernel kernel_##set = {#set,                                                 \
-                                             maps_##set,                                           \
+                                             maps_##few,                                           \
                                              transfer_##set,                                       \
                                              split_bytes_##few,                                    \
                                              lightness_##set,                                      \
@@ -51,7 +51,7 @@ typedef struct limits {
                                              chroma_##set,                                         \
                                              find_outside_##few,                                   \
                                              clamp_planes_##few,                                   \
-                                             interleave_##set,                                     \
+                                             interleave_##few,                                     \
                                              widen_##few,                                          \
                                              narrow_##few,                                         \
                                              lanes_to_f_##few,                                     \

@@ -25,45 +25,6 @@ INNER uint32_t ISA(doubt_of_three)(float x, float y, float z)
 
 INNER int ISA(is_suspect)(uint32_t worst) { return worst >= (POOR ? 0x80000000u : 0x5F800000u); }
 
-/* T, and v of Ynew = clamp(v y + w). */
-STAGE int ISA(maps)(const lcor_plan *p, const float *restrict i, const float *restrict rho,
-                    lcor_block *restrict b)
-{
-    const lcor_kernel_constants *k = &p->k;
-    const float offset = k->offset, huge = ISA(limits).huge, zero = ISA(limits).zero;
-    uint32_t worst = 0;
-
-    if (p->reading == LCOR_READING_TEXEL) {
-        const float slope = k->slope_texel;
-
-        EACH (j, LCOR_BLOCK) {
-            b->v[j] = ISA(at_most)(i[j] * slope, huge);
-            worst = ISA(larger)(worst, ISA(doubt)(i[j]));
-        }
-    } else if (rho != NULL) {
-        const float slope = k->slope, ratio = k->ratio;
-
-        EACH (j, LCOR_BLOCK) {
-            const float t = i[j] * rho[j] * slope + offset; /* eq 12 */
-
-            b->t[j] = t;
-            b->v[j] = t > 0.0f ? ISA(at_most)(t * ratio / rho[j], huge) : 0.0f; /* rule S1 */
-            worst = ISA(larger)(worst, ISA(larger)(ISA(doubt)(i[j]), ISA(doubt)(rho[j])));
-        }
-    } else {
-        const float slope = k->slope_rho, over_rho = k->over_rho;
-
-        EACH (j, LCOR_BLOCK) {
-            const float t = i[j] * slope + offset; /* eq 12 */
-
-            b->t[j] = t;
-            b->v[j] = ISA(at_most)(ISA(at_least)(t, zero) * over_rho, huge);
-            worst = ISA(larger)(worst, ISA(doubt)(i[j]));
-        }
-    }
-    return ISA(is_suspect)(worst);
-}
-
 /* A transfer function, or its inverse: a straight line up to a knee, then a power. */
 STAGE int ISA(transfer)(const lcor_power *p, float *restrict c)
 {
@@ -172,27 +133,4 @@ STAGE void ISA(chroma)(const lcor_kernel_constants *k, lcor_block *restrict b)
         b->c[1][j] = y_new + (g_x * dx + g_z * dz);
         b->c[2][j] = y_new + (b_x * dx + b_z * dz);
     }
-}
-
-/* RGB clamped to 0..1, as pixels. */
-STAGE void ISA(interleave)(lcor_block *restrict b, float *restrict to)
-{
-    const float zero = ISA(limits).zero, one = ISA(limits).one;
-
-#define CLAMPED(x) ISA(at_most)(ISA(at_least)(x, zero), one)
-#if POOR
-    EACH (j, LCOR_BLOCK)
-        for (size_t i = 0; i < 3; i++)
-            b->c[i][j] = CLAMPED(b->c[i][j]);
-    EACH (j, LCOR_BLOCK)
-        for (size_t i = 0; i < 3; i++)
-            to[3 * j + i] = b->c[i][j];
-#else
-    EACH (j, LCOR_BLOCK) {
-        to[3 * j] = CLAMPED(b->c[0][j]);
-        to[3 * j + 1] = CLAMPED(b->c[1][j]);
-        to[3 * j + 2] = CLAMPED(b->c[2][j]);
-    }
-#endif
-#undef CLAMPED
 }

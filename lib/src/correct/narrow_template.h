@@ -2,6 +2,45 @@
 /* Loops of the float path that AVX-512 takes from AVX2: wider vectors gain little there, and code
  * is large. See kernel_template.h. */
 
+/* T, and v of Ynew = clamp(v y + w). */
+STAGE int ISA(maps)(const lcor_plan *p, const float *restrict i, const float *restrict rho,
+                    lcor_block *restrict b)
+{
+    const lcor_kernel_constants *k = &p->k;
+    const float offset = k->offset, huge = ISA(limits).huge, zero = ISA(limits).zero;
+    uint32_t worst = 0;
+
+    if (p->reading == LCOR_READING_TEXEL) {
+        const float slope = k->slope_texel;
+
+        EACH (j, LCOR_BLOCK) {
+            b->v[j] = ISA(at_most)(i[j] * slope, huge);
+            worst = ISA(larger)(worst, ISA(doubt)(i[j]));
+        }
+    } else if (rho != NULL) {
+        const float slope = k->slope, ratio = k->ratio;
+
+        EACH (j, LCOR_BLOCK) {
+            const float t = i[j] * rho[j] * slope + offset; /* eq 12 */
+
+            b->t[j] = t;
+            b->v[j] = t > 0.0f ? ISA(at_most)(t * ratio / rho[j], huge) : 0.0f; /* rule S1 */
+            worst = ISA(larger)(worst, ISA(larger)(ISA(doubt)(i[j]), ISA(doubt)(rho[j])));
+        }
+    } else {
+        const float slope = k->slope_rho, over_rho = k->over_rho;
+
+        EACH (j, LCOR_BLOCK) {
+            const float t = i[j] * slope + offset; /* eq 12 */
+
+            b->t[j] = t;
+            b->v[j] = ISA(at_most)(ISA(at_least)(t, zero) * over_rho, huge);
+            worst = ISA(larger)(worst, ISA(doubt)(i[j]));
+        }
+    }
+    return ISA(is_suspect)(worst);
+}
+
 /* Pixels of three bytes into planes. */
 STAGE void ISA(split_bytes)(const uint8_t *restrict rgb, lcor_block *restrict b)
 {
@@ -103,6 +142,29 @@ STAGE void ISA(find_outside)(const lcor_block *restrict b, int32_t *restrict out
                       ISA(bits)(high - r) | ISA(bits)(high - g) | ISA(bits)(high - bl)) &
                      INT32_MIN;
     }
+}
+
+/* RGB clamped to 0..1, as pixels. */
+STAGE void ISA(interleave)(lcor_block *restrict b, float *restrict to)
+{
+    const float zero = ISA(limits).zero, one = ISA(limits).one;
+
+#define CLAMPED(x) ISA(at_most)(ISA(at_least)(x, zero), one)
+#if POOR
+    EACH (j, LCOR_BLOCK)
+        for (size_t i = 0; i < 3; i++)
+            b->c[i][j] = CLAMPED(b->c[i][j]);
+    EACH (j, LCOR_BLOCK)
+        for (size_t i = 0; i < 3; i++)
+            to[3 * j + i] = b->c[i][j];
+#else
+    EACH (j, LCOR_BLOCK) {
+        to[3 * j] = CLAMPED(b->c[0][j]);
+        to[3 * j + 1] = CLAMPED(b->c[1][j]);
+        to[3 * j + 2] = CLAMPED(b->c[2][j]);
+    }
+#endif
+#undef CLAMPED
 }
 
 STAGE void ISA(clamp_planes)(float *restrict c)
