@@ -6,8 +6,10 @@
 #include "radiosity/transfer.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
-enum { OCCLUDERS_MAX = 256, CHUNK = 4 };
+enum { OCCLUDERS_MAX = 256 };
 
 typedef struct gatherer {
     const links *l;
@@ -16,37 +18,113 @@ typedef struct gatherer {
     double *out;
 } gatherer;
 
-/* Descends until the polynomial of an element is as good as those of its parts. */
-static void gather_element(gatherer *g, size_t index)
+/* Whether the polynomial of an element is as good as those of its parts, seen from where 1/r^2 is
+ * analytic within an ellipse of parameter q. */
+static int is_fine(const links_element *e, double q, double distance2, double accuracy)
 {
-    const links *l = g->l;
-    const links_element *e = links_at(l, index);
-    const face *f = links_face_of(l, e);
-    float weights[RULE_Q];
+    const double squared = q * q;
 
-    if (!(e->b_max > 0))
-        return;
-    g->t.accuracy = g->accuracy * fmin(1, g->expected / e->b_max);
-    if (e->child >= 0) {
-        double q[2], least, squared;
-        const double d2 = transfer_ellipse(g->t.x, f, &e->c, q);
-        const double bound = fmin(1, e->area / (d2 + 1e-300));
+    return e->child < 0 || fmin(1, e->area / (distance2 + 1e-300)) <= accuracy * squared * squared;
+}
 
-        least = fmin(q[0], q[1]);
-        squared = least * least;
-        if (bound > g->t.accuracy * squared * squared) {
-            gather_element(g, (size_t)e->child);
-            gather_element(g, (size_t)e->child + 1);
-            return;
-        }
-    }
-    (void)transfer_weights(&g->t, &e->c, weights);
+/* Of a form factor to an element, if as much irradiance is expected. */
+static double factor_accuracy(const links_element *e, double accuracy, double expected)
+{
+    return accuracy * fmin(1, expected / e->b_max);
+}
+
+static void add_weighed(const links *l, size_t index, const float weights[RULE_Q], double *out)
+{
     for (int c = 0; c < l->channels; c++) {
         const double *b = links_channel(l, &l->radiosity, index, c);
 
         for (int k = 0; k < RULE_Q; k++)
-            g->out[c] += (double)weights[k] * b[k];
+            out[c] += (double)weights[k] * b[k];
     }
+}
+
+static void gather_element(gatherer *g, size_t index)
+{
+    const links_element *e = links_at(g->l, index);
+    const face *f = links_face_of(g->l, e);
+    float weights[RULE_Q];
+    double q[2], distance2;
+
+    if (!(e->b_max > 0))
+        return;
+    g->t.accuracy = factor_accuracy(e, g->accuracy, g->expected);
+    distance2 = e->child < 0 ? 0 : transfer_ellipse(g->t.x, f, &e->c, q);
+    if (!is_fine(e, e->child < 0 ? 1 : fmin(q[0], q[1]), distance2, g->t.accuracy)) {
+        gather_element(g, (size_t)e->child);
+        gather_element(g, (size_t)e->child + 1);
+        return;
+    }
+    (void)transfer_weights(&g->t, &e->c, weights);
+    add_weighed(g->l, index, weights, g->out);
+}
+
+/* Points of a face of a convex scene, all of which see everything. */
+enum { TOGETHER = 2 * TRANSFER_LANES };
+typedef struct batch {
+    const links *l;
+    const face *on;
+    double x[TOGETHER][3];
+    double accuracy, expected; /* the least of all */
+    double out[TOGETHER][3];
+} batch;
+
+static void gather_together(batch *g, size_t index)
+{
+    const links_element *e = links_at(g->l, index);
+    const face *f = links_face_of(g->l, e);
+    const double accuracy = factor_accuracy(e, g->accuracy, g->expected);
+    double exact[TOGETHER];
+    int fine = 1;
+
+    if (!(e->b_max > 0))
+        return;
+    for (int i = 0; fine && e->child >= 0 && i < TOGETHER; i += TRANSFER_LANES) {
+        double q[TRANSFER_LANES], distance2[TRANSFER_LANES];
+
+        transfer_ellipses(g->x + i, f, &e->c, q, distance2);
+        for (int k = 0; k < TRANSFER_LANES; k++)
+            fine &= is_fine(e, q[k], distance2[k], accuracy);
+    }
+    if (!fine) {
+        gather_together(g, (size_t)e->child);
+        gather_together(g, (size_t)e->child + 1);
+        return;
+    }
+    /* nothing of a convex scene is behind a face */
+    (void)transfer_factors(g->l->scene, g->on, TOGETHER, g->x, f, &e->c, exact);
+    for (int i = 0; i < TOGETHER; i += TRANSFER_LANES) {
+        float weights[TRANSFER_LANES][RULE_Q];
+
+        transfer_open(g->x + i, g->on->normal, f, &e->c, accuracy, exact + i, weights);
+        for (int k = 0; k < TRANSFER_LANES; k++)
+            add_weighed(g->l, index, weights[k], g->out[i + k]);
+    }
+}
+
+/* As links_gather, at n points of a face of a convex scene, TOGETHER at most. */
+static void gather_batch(const links *l, const face *on, size_t n, double (*x)[3], double accuracy,
+                         const double *expected, double (*out)[3])
+{
+    batch g = {.l = l, .on = on, .accuracy = accuracy, .expected = expected[0]};
+
+    for (size_t i = 0; i < TOGETHER; i++) {
+        const size_t k = i < n ? i : n - 1;
+
+        vec_copy(x[k], g.x[i]);
+        g.expected = fmin(g.expected, expected[k]);
+    }
+    for (size_t i = 0; i < l->faces.count; i++) {
+        const face *f = (const face *)l->faces.items + i;
+
+        if (f->surface != on->surface)
+            gather_together(&g, (size_t)f->root);
+    }
+    memcpy(out, g.out, n * sizeof *out);
 }
 
 void links_gather(const links *l, const double x[3], const double normal[3], uint32_t skip,
@@ -97,47 +175,55 @@ void links_gather(const links *l, const double x[3], const double normal[3], uin
 }
 
 typedef struct sample {
-    size_t leaf;
+    uint32_t face;
+    size_t number, leaf;
     double u, v, weight;
-    double defect; /* signed, relative, mean of the channels */
+    double defect;   /* signed, relative, mean of the channels */
+    size_t together; /* so many from this one on are gathered at once: 0, with one before */
 } sample;
 
 typedef struct estimate_job {
     const links *l;
     sample *samples;
-    size_t count;
     double accuracy;
 } estimate_job;
 
-static void estimate_task(void *arg, size_t chunk)
+static void estimate_task(void *arg, size_t first)
 {
     const estimate_job *job = arg;
     const links *l = job->l;
-    const int channels = l->channels;
+    sample *samples = job->samples + first;
+    const size_t n = samples->together;
+    const face *f = links_face_of(l, links_at(l, samples->leaf));
+    double x[TOGETHER][3], gathered[TOGETHER][3], direct[TOGETHER][3], here[TOGETHER][3];
+    double expected[TOGETHER];
 
-    for (size_t i = chunk * CHUNK; i < (chunk + 1) * CHUNK && i < job->count; i++) {
-        sample *p = &job->samples[i];
+    for (size_t i = 0; i < n; i++) {
+        const sample *p = &samples[i];
         const links_element *e = links_at(l, p->leaf);
-        const face *f = links_face_of(l, e);
-        double x[3], at_s[RULE_P], at_t[RULE_P], gathered[3], direct[3], here[3];
-        double expected = l->floor;
+        double at_s[RULE_P], at_t[RULE_P];
 
-        face_point(f, e->c.s0 + p->u * e->c.hs, e->c.t0 + p->v * e->c.ht, x);
+        face_point(f, e->c.s0 + p->u * e->c.hs, e->c.t0 + p->v * e->c.ht, x[i]);
         rule_values(p->u, at_s);
         rule_values(p->v, at_t);
-        light_at(l->lights, x, f->normal, f->surface, direct);
-        for (int c = 0; c < channels; c++) {
+        light_at(l->lights, x[i], f->normal, f->surface, direct[i]);
+        expected[i] = l->floor;
+        for (int c = 0; c < l->channels; c++) {
             const double *in = links_channel(l, &l->irradiance, p->leaf, c);
 
-            here[c] = rule_interpolate(in, at_s, at_t);
-            expected = fmax(expected, direct[c] + here[c]);
+            here[i][c] = rule_interpolate(in, at_s, at_t);
+            expected[i] = fmax(expected[i], direct[i][c] + here[i][c]);
         }
-        links_gather(l, x, f->normal, f->surface, job->accuracy, expected, gathered);
-        p->defect = 0;
-        for (int c = 0; c < channels; c++) {
-            p->defect +=
-                (here[c] - gathered[c]) / fmax(direct[c] + gathered[c], l->floor) / channels;
-        }
+    }
+    if (l->scene->convex && n > 0)
+        gather_batch(l, f, n, x, job->accuracy, expected, gathered);
+    for (size_t i = 0; i < n; i++) {
+        if (!l->scene->convex)
+            links_gather(l, x[i], f->normal, f->surface, job->accuracy, expected[i], gathered[i]);
+        samples[i].defect = 0;
+        for (int c = 0; c < l->channels; c++)
+            samples[i].defect += (here[i][c] - gathered[i][c]) /
+                                 fmax(direct[i][c] + gathered[i][c], l->floor) / l->channels;
     }
 }
 
@@ -161,10 +247,19 @@ static int in_gap(const links *l, const links_element *e)
     return 0;
 }
 
+static int compare_samples(const void *a, const void *b)
+{
+    const sample *p = a, *q = b;
+
+    if (p->face != q->face)
+        return p->face < q->face ? -1 : 1;
+    return p->number < q->number ? -1 : p->number > q->number;
+}
+
 /* Points in proportion to the root of a leaf's area, so that small ones at edges are seen, more in
  * narrow gaps, weighted back to area; within leaves on a sequence of low discrepancy, a quarter of
- * a patch away from their border, since errors are those of patches. Returns how many, 0 without
- * memory. */
+ * a patch away from their border, since errors are those of patches. In the order of faces. Returns
+ * how many, 0 without memory. */
 static size_t place_samples(const links *l, size_t n, sample *samples)
 {
     double *density = lcor_internal_alloc(&l->allocator, l->elements.count * sizeof *density);
@@ -193,10 +288,17 @@ static size_t place_samples(const links *l, size_t n, sample *samples)
             const double u = margin[0] + (1 - 2 * margin[0]) * (s - floor(s));
             const double v = margin[1] + (1 - 2 * margin[1]) * (t - floor(t));
 
-            samples[count++] = (sample){i, u, v, e->area / density[i], 0};
+            samples[count] = (sample){e->face, count, i, u, v, e->area / density[i], 0, 0};
+            count++;
         }
     }
     lcor_internal_free(&l->allocator, density);
+    qsort(samples, count, sizeof *samples, compare_samples);
+    for (size_t i = 0, end; i < count; i += samples[i].together) {
+        for (end = i; end < count && end < i + TOGETHER && samples[end].face == samples[i].face;)
+            end++;
+        samples[i].together = end - i;
+    }
     return count;
 }
 
@@ -206,20 +308,21 @@ static const double tails = 1.4;
 
 int links_estimate(links *l, size_t n, links_errors *out)
 {
-    estimate_job job = {l, NULL, 0, 0.1 * l->accuracy};
+    estimate_job job = {l, NULL, 0.1 * l->accuracy};
+    size_t count;
     double weight = 0, mean = 0, square = 0, fourth = 0, spread, amplify;
 
     job.samples = lcor_internal_alloc(&l->allocator, n * sizeof *job.samples);
     if (!job.samples)
         return 0;
-    job.count = place_samples(l, n, job.samples);
-    if (job.count == 0) {
+    count = place_samples(l, n, job.samples);
+    if (count == 0) {
         lcor_internal_free(&l->allocator, job.samples);
         return 0;
     }
-    links_run(l, (job.count + CHUNK - 1) / CHUNK, estimate_task, &job);
+    links_run(l, count, estimate_task, &job);
     out->max = 0;
-    for (size_t i = 0; i < job.count; i++) {
+    for (size_t i = 0; i < count; i++) {
         const double d = job.samples[i].defect, w = job.samples[i].weight;
 
         weight += w;
@@ -230,11 +333,11 @@ int links_estimate(links *l, size_t n, links_errors *out)
     }
     mean /= weight;
     square /= weight;
-    spread = sqrt(fmax(0, fourth / (weight * weight) - square * square / (double)job.count));
+    spread = sqrt(fmax(0, fourth / (weight * weight) - square * square / (double)count));
     /* One gathering shows the defect; what of it survives averaging over the hemisphere comes back
      * with every further reflection. Both by the upper end of what the sample leaves open. */
     amplify = l->contraction / fmax(1 - l->contraction, 1e-4);
-    mean = fabs(mean) + sqrt(square / (double)(job.count + 1));
+    mean = fabs(mean) + sqrt(square / (double)(count + 1));
     out->rms = tails * sqrt(square + spread + amplify * amplify * mean * mean);
     out->max += amplify * mean;
     lcor_internal_free(&l->allocator, job.samples);

@@ -112,25 +112,53 @@ static void set_frame(transfer_frame *g, const double x[3], const face *f)
     }
 }
 
+/* The poles that the points of a frame, on either side, see on a cell. Returns its unit. */
+static double poles_of(transfer_frame *g, const face *f, const cell *c, poles *p)
+{
+    cell_view v;
+
+    g->n_along = g->n_across = g->n_height = 0;
+    for (int i = 0; i < LANES; i++)
+        g->height[i] = fabs(g->height[i]);
+    set_view(g, f, c, &v);
+    find_poles(&v, p);
+    return v.unit;
+}
+
+static double ellipse_through(const poles *p, size_t k)
+{
+    const double re = sqrt((double)p->re2[k]), im2 = (double)p->im2[k];
+    const double a = 0.5 * (sqrt((re - 1) * (re - 1) + im2) + sqrt((re + 1) * (re + 1) + im2));
+
+    return a > 1 ? a + sqrt(a * a - 1) : 1;
+}
+
 double transfer_ellipse(const double x[3], const face *f, const cell *c, double q[2])
 {
     transfer_frame g;
-    cell_view v;
+    double unit;
     poles p;
 
-    g.n_along = g.n_across = g.n_height = 0;
     set_frame(&g, x, f);
-    for (int i = 0; i < LANES; i++)
-        g.height[i] = fabs(g.height[i]);
-    set_view(&g, f, c, &v);
-    find_poles(&v, &p);
-    for (size_t i = 0; i < 2; i++) {
-        const double re = sqrt((double)p.re2[i * LANES]), im2 = (double)p.im2[i * LANES];
-        const double a = 0.5 * (sqrt((re - 1) * (re - 1) + im2) + sqrt((re + 1) * (re + 1) + im2));
+    unit = poles_of(&g, f, c, &p);
+    q[0] = ellipse_through(&p, 0);
+    q[1] = ellipse_through(&p, LANES);
+    return (double)fminf(p.distance2[0], p.distance2[LANES]) / (unit * unit);
+}
 
-        q[i] = a > 1 ? a + sqrt(a * a - 1) : 1;
+void transfer_ellipses(double (*x)[3], const face *f, const cell *c, double *q, double *distance2)
+{
+    transfer_frame g;
+    double unit;
+    poles p;
+
+    for (int i = 0; i < LANES; i++)
+        set_lane(&g, i, x[i], f);
+    unit = poles_of(&g, f, c, &p);
+    for (size_t i = 0; i < LANES; i++) {
+        q[i] = fmin(ellipse_through(&p, i), ellipse_through(&p, LANES + i));
+        distance2[i] = (double)fminf(p.distance2[i], p.distance2[LANES + i]) / (unit * unit);
     }
-    return (double)fminf(p.distance2[0], p.distance2[LANES]) / (v.unit * v.unit);
 }
 
 /* Whether all points are so many of the cell's radii from its centre that the rule is accurate. */

@@ -53,4 +53,8 @@ int transfer_factors(const lcor_scene *scene, const face *r, size_t n, double (*
  * squared distance, at most the true one. */
 double transfer_ellipse(const double x[3], const face *f, const cell *c, double q[2]);
 
+/* The same for TRANSFER_LANES points: the lesser q of both axes and the squared distance of each.
+ */
+void transfer_ellipses(double (*x)[3], const face *f, const cell *c, double *q, double *distance2);
+
 #endif
