@@ -12,6 +12,7 @@ import subprocess
 from pathlib import Path
 
 LCOR = Path(os.environ["LCOR_BINDIR"]) / "lcor"
+SANITIZED = b"__asan_init" in LCOR.read_bytes()
 DATA = Path(__file__).parent.parent / "data"
 
 

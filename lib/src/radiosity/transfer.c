@@ -307,7 +307,8 @@ static void add_triangle(const transfer *t, const cell *c, double sign, const do
         const double u = first[0] + s * first[1] + z * first[2];
         const double v = second[0] + s * second[1] + z * second[2], sum = u + v;
         const double along = f->triangle ? sum : u;
-        const double across = f->triangle ? v / (sum > 0 ? sum : 1) : v;
+        /* Rounding leaves little of u and v at the triangle's tip: their ratio stays in 0..1. */
+        const double across = !f->triangle ? v : v >= sum ? 1 : v > 0 ? v / sum : 0;
 
         x[k] = (float)((along - c->s0) / c->hs);
         y[k] = (float)((across - c->t0) / c->ht);
