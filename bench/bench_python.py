@@ -11,6 +11,7 @@ import time
 from functools import partial
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
+from statistics import median
 from timeit import repeat
 
 import lcor
@@ -131,7 +132,7 @@ def rows_against_c(library: ctypes.CDLL) -> dict:
             )
             for _ in range(TURNS)
         ]
-        c, python, wall, both, c_wall, c_both = (min(column) for column in zip(*turns))
+        c, python = (min(turn[i] for turn in turns) for i in (0, 1))
         ns = 1e9 / (HEIGHT * WIDTH)
         lines.append(
             [
@@ -139,15 +140,16 @@ def rows_against_c(library: ctypes.CDLL) -> dict:
                 c * ns,
                 python * ns,
                 python / c,
-                wall / both,
-                c_wall / c_both,
+                median(turn[2] / turn[3] for turn in turns),
+                median(turn[4] / turn[5] for turn in turns),
             ]
         )
     return table(
         "Python: 16 megapixels against the C row loop",
         f"Processor time, best of {TURNS} turns in one run, the output compared byte for byte. Two "
-        "threads on two halves: elapsed time, so the machine's other work counts against them, and "
-        "processors that share a core gain less: the C loop in two threads shows what can be had.",
+        "threads on two halves: elapsed time of one thread over that of two, one after the other, "
+        f"median of {TURNS} turns; the machine's other work counts against them, and the C loop in "
+        "two threads shows what can be had.",
         [
             "type",
             "C loop, ns a pixel",
