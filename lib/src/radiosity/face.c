@@ -7,7 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { PIECES_MAX = 256, CORNERS_MAX = LCOR_CLIP_MAX };
+/* What does not touch cuts until there are so many pieces: each costs links. */
+enum { PIECES_MAX = 256, PIECES_NEAR = 32, CORNERS_MAX = LCOR_CLIP_MAX };
 
 /* Without a finer patch grid, elements may shrink to this part of the shape. */
 static const double grid_floor = 1.0 / 64;
@@ -125,8 +126,15 @@ static void cut(piece *pieces, size_t *count, const double normal[3], const doub
     }
 }
 
-/* Cuts the pieces of shape s where shape t meets its plane. */
-static void cut_along(const lcor_scene *scene, const scene_surface *s, int two_sided,
+/* Whether a height above a shape counts as on it. */
+static int is_near(double height, int two_sided, double gap, double touch)
+{
+    return fabs(height) <= touch || (fabs(height) < gap && (two_sided || height > 0));
+}
+
+/* Cuts the pieces of shape s where shape t meets its plane, and below those of its edges that are
+ * nearer than `gap`: what is narrower than an element ends there as at a contact. */
+static void cut_along(const lcor_scene *scene, const scene_surface *s, int two_sided, double gap,
                       const scene_surface *t, piece *pieces, size_t *count)
 {
     const double touch = SCENE_TOUCH * scene->diameter;
@@ -146,8 +154,13 @@ static void cut_along(const lcor_scene *scene, const scene_surface *s, int two_s
     for (size_t i = 0; i < t->corner_count; i++) {
         const size_t j = (i + 1) % t->corner_count;
 
-        if (fabs(height[i]) <= touch && fabs(height[j]) <= touch) {
-            cut(pieces, count, s->normal, p + 3 * i, p + 3 * j, touch);
+        if (is_near(height[i], two_sided, gap, touch) &&
+            is_near(height[j], two_sided, gap, touch)) {
+            double foot[2][3];
+
+            vec_add_scaled(p + 3 * i, -height[i], s->normal, foot[0]);
+            vec_add_scaled(p + 3 * j, -height[j], s->normal, foot[1]);
+            cut(pieces, count, s->normal, foot[0], foot[1], touch);
         } else if ((height[i] > touch && height[j] < -touch) ||
                    (height[i] < -touch && height[j] > touch)) {
             const double part = height[i] / (height[i] - height[j]);
@@ -315,7 +328,7 @@ static int build_shape(const builder *b, uint32_t id, const scene_surface *s, ui
 {
     const lcor_scene *scene = b->scene;
     const lcor_surface *look = &scene_surface_at(scene, surface)->look;
-    const double touch = SCENE_TOUCH * scene->diameter;
+    const double touch = SCENE_TOUCH * scene->diameter, gap = finest_of(s, patch);
     size_t count = 1;
 
     b->pieces[0].n = s->corner_count;
@@ -324,7 +337,8 @@ static int build_shape(const builder *b, uint32_t id, const scene_surface *s, ui
         const uint32_t other = ((const uint32_t *)scene->shapes.items)[j];
 
         if (other != id)
-            cut_along(scene, s, look->two_sided, scene_shape_at(scene, other), b->pieces, &count);
+            cut_along(scene, s, look->two_sided, count < PIECES_NEAR ? gap : 0,
+                      scene_shape_at(scene, other), b->pieces, &count);
     }
     for (int back = 0; back < 2; back++) {
         sides[back].begin = b->faces->count;
@@ -334,7 +348,7 @@ static int build_shape(const builder *b, uint32_t id, const scene_surface *s, ui
         sides[back].end = b->faces->count;
     }
     for (size_t i = sides[0].begin; i < sides[1].end; i++) {
-        ((face *)b->faces->items)[i].finest = finest_of(s, patch);
+        ((face *)b->faces->items)[i].finest = gap;
         ((face *)b->faces->items)[i].patch = patch;
     }
     return 1;

@@ -33,8 +33,9 @@ typedef struct face_range {
 } face_range;
 
 /* Appends the faces of every sheet whose surfaces still look alike and of every other surface: cut
- * along lines where other shapes touch or cross it, since irradiance jumps there. Returns 0 if
- * there is no memory. `sides` gets those of surface i, side b, at 2 i + b. */
+ * along lines where other shapes touch or cross it, or end nearer above it than the least element
+ * is long, since irradiance jumps there. Returns 0 if there is no memory. `sides` gets those of
+ * surface i, side b, at 2 i + b. */
 int face_build(const lcor_scene *scene, const lcor_allocator *allocator, lcor_array *faces,
                face_range *sides);
 
