@@ -321,8 +321,9 @@ static void many_points_at_once_agree_with_one(void **state)
 {
     const double corners[4][3] = {{0, 0, 1}, {1, 0, 1}, {1.2, 1, 1.4}, {0.2, 1, 1.4}};
     const double up[3] = {0, 0, 1};
-    double x[11], y[11], z[11], factors[11];
+    double x[11], y[11], z[11], factors[11], others[11];
     uint64_t seed = 3;
+    size_t sets = 1;
 
     (void)state;
     for (int i = 0; i < 11; i++) {
@@ -330,7 +331,12 @@ static void many_points_at_once_agree_with_one(void **state)
         y[i] = 4 * random_unit(&seed) - 2;
         z[i] = 0;
     }
-    lcor_factor_points(11, x, y, z, up, corners, factors);
+    lcor_factor_points_at(0)(11, x, y, z, up, corners, factors);
+    for (; lcor_factor_points_at(sets); sets++) { /* every instruction set, bit by bit */
+        lcor_factor_points_at(sets)(11, x, y, z, up, corners, others);
+        assert_memory_equal(others, factors, sizeof factors);
+    }
+    print_message("%lu instruction sets\n", (unsigned long)sets);
     for (int i = 0; i < 11; i++) {
         const double p[3] = {x[i], y[i], z[i]};
 

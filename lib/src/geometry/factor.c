@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "geometry/factor.h"
 
+#include "base/cpu.h"
+#include "base/internal.h"
 #include "geometry/vec.h"
 
 enum { LANES = 8 };
@@ -29,7 +31,7 @@ static const double atan_terms[12] = {
 };
 
 /* atan2(y, x) for y >= 0, without branches so that loops over it become SIMD. */
-static inline double angle(double y, double x)
+static LCOR_INLINE double angle(double y, double x)
 {
     const double ax = x < 0 ? -x : x;
     const double low = y < ax ? y : ax, high = y < ax ? ax : y;
@@ -126,9 +128,9 @@ double lcor_factor_point(const double x[3], const double normal[3], size_t n, co
 
 /* Adds edge p-q of the contours around LANES points. With a the way to p, cross product and height
  * of the triangle a x b are a x edge and a . (edge x normal). */
-static void add_edge(const double px[LANES], const double py[LANES], const double pz[LANES],
-                     const double normal[3], const double p[3], const double q[3],
-                     double sum[LANES])
+static LCOR_INLINE void add_edge(const double px[LANES], const double py[LANES],
+                                 const double pz[LANES], const double normal[3], const double p[3],
+                                 const double q[3], double sum[LANES])
 {
     double edge[3], m[3];
 
@@ -148,8 +150,9 @@ static void add_edge(const double px[LANES], const double py[LANES], const doubl
     }
 }
 
-void lcor_factor_points(size_t n, const double *x, const double *y, const double *z,
-                        const double normal[3], const double corners[4][3], double *factors)
+static LCOR_INLINE void factor_points(size_t n, const double *x, const double *y, const double *z,
+                                      const double normal[3], const double corners[4][3],
+                                      double *factors)
 {
     for (size_t base = 0; base < n; base += LANES) {
         const size_t count = n - base < LANES ? n - base : LANES;
@@ -168,4 +171,32 @@ void lcor_factor_points(size_t n, const double *x, const double *y, const double
         for (size_t i = 0; i < count; i++)
             factors[base + i] = fabs(sum[i]) / (4 * half_pi);
     }
+}
+
+static void factor_points_base(size_t n, const double *x, const double *y, const double *z,
+                               const double normal[3], const double corners[4][3], double *factors)
+{
+    factor_points(n, x, y, z, normal, corners, factors);
+}
+
+#ifdef LCOR_HAVE_X86
+static __attribute__((target("avx2"))) void
+factor_points_avx2(size_t n, const double *x, const double *y, const double *z,
+                   const double normal[3], const double corners[4][3], double *factors)
+{
+    factor_points(n, x, y, z, normal, corners, factors);
+}
+#endif
+
+lcor_factor_points *lcor_factor_points_at(size_t index)
+{
+    lcor_factor_points *found[2];
+    size_t count = 0;
+
+#ifdef LCOR_HAVE_X86
+    if (lcor_internal_cpu().avx2)
+        found[count++] = factor_points_avx2;
+#endif
+    found[count++] = factor_points_base;
+    return index < count ? found[index] : NULL;
 }

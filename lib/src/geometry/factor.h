@@ -14,8 +14,13 @@ double lcor_factor_point(const double x[3], const double normal[3], size_t n,
                          const double *corners);
 
 /* The same for n points of one plane and a quadrilateral wholly on its upper side, many at once. */
-void lcor_factor_points(size_t n, const double *x, const double *y, const double *z,
-                        const double normal[3], const double corners[4][3], double *factors);
+typedef void lcor_factor_points(size_t n, const double *x, const double *y, const double *z,
+                                const double normal[3], const double corners[4][3],
+                                double *factors);
+
+/* For the instruction sets that this build has and the machine can run, best first; NULL after the
+ * last. All give the same bits. */
+lcor_factor_points *lcor_factor_points_at(size_t index);
 
 /* Cuts a convex polygon by the half-space (p - x) . normal >= 0; returns the corners left. `out`
  * has room for n + 1. */

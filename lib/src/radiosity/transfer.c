@@ -537,7 +537,7 @@ int transfer_factors(const lcor_scene *scene, const face *r, size_t n, double (*
     for (size_t i = 0; i < n; i++)
         for (int k = 0; k < 3; k++)
             x[k][i] = points[i][k];
-    lcor_factor_points(n, x[0], x[1], x[2], r->normal, (const double(*)[3])corners, factors);
+    scene->factor_points(n, x[0], x[1], x[2], r->normal, (const double(*)[3])corners, factors);
     for (size_t i = 0; i < n; i++) {
         vec_sub(points[i], f->origin, d);
         if (vec_dot(d, f->normal) <= 0)

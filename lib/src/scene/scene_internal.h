@@ -6,6 +6,7 @@
 
 #include "base/array.h"
 #include "geometry/bvh.h"
+#include "geometry/factor.h"
 
 #include <lcor/scene.h>
 
@@ -55,9 +56,10 @@ struct lcor_scene {
     lcor_array lights;   /* lcor_light, directions of length 1 after commit */
     lcor_array corners;  /* double[3] */
     int committed;
-    lcor_bvh *bvh;   /* owners are surface numbers */
-    double diameter; /* of the bounding box */
-    int convex;      /* no surface has anything behind it: nothing hides anything */
+    lcor_bvh *bvh;                     /* owners are surface numbers */
+    lcor_factor_points *factor_points; /* for this machine */
+    double diameter;                   /* of the bounding box */
+    int convex; /* no surface has anything behind it: nothing hides anything */
     /* Shape i is a surface as it was added, or sheet i - surfaces.count. */
     lcor_array sheets, sheet_members; /* scene_sheet, uint32_t */
     lcor_array shapes;                /* uint32_t: the sheets and every surface that is in none */
