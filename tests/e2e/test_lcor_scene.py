@@ -9,7 +9,6 @@ import pytest
 from gltf_scene import QUAD, QUAD_UV, Scene, png
 from lcor_run import DATA, SANITIZED, good, lcor, refused, report, table
 
-
 CORNELL_BOX = DATA / "scenes/cornell_bevy_orig.glb"
 
 
