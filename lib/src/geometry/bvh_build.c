@@ -308,8 +308,9 @@ static int32_t collapse(lcor_bvh *bvh, const builder *b, size_t at, float pad)
         const box *bounds = i < count ? &b->nodes[child[i]].bounds : &empty_box;
 
         for (size_t k = 0; k < 3; k++) {
-            node->slab[2 * k][i] = i < count ? bounds->lo[k] - pad : FLT_MAX;
-            node->slab[2 * k + 1][i] = i < count ? bounds->hi[k] + pad : -FLT_MAX;
+            node->slab[2 * k * BVH_WIDTH + (size_t)i] = i < count ? bounds->lo[k] - pad : FLT_MAX;
+            node->slab[(2 * k + 1) * BVH_WIDTH + (size_t)i] =
+                i < count ? bounds->hi[k] + pad : -FLT_MAX;
         }
         node->child[i] = 0;
     }

@@ -12,7 +12,7 @@ enum { BVH_LINE = 64 };
 
 /* child >= 0: a node; < 0: block ~child. Unused slots have empty boxes. */
 typedef struct bvh_node {
-    float slab[6][BVH_WIDTH]; /* of the boxes: x low, x high, y low... */
+    float slab[6 * BVH_WIDTH]; /* of the boxes: x low, x high, y low... */
     int32_t child[BVH_WIDTH], unused[BVH_WIDTH];
 } bvh_node;
 

@@ -6,6 +6,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #ifdef LCOR_HAVE_X86
 #include <immintrin.h>
@@ -19,10 +20,11 @@ static const double edge_slack = 1e-12;
 /* Allowance of float distances, relative and in units of the frame. */
 static const double far_part = 16 * (double)FLT_EPSILON, far_add = 64 * (double)FLT_EPSILON;
 
-/* `in` is the slab of a node by which the ray enters, axis by axis. */
+/* `in` and `out` are where a node's slabs begin by which the ray enters and leaves, axis by axis.
+ */
 typedef struct float_ray {
     float o[3], d[3], inverse[3];
-    int in[3];
+    size_t in[3], out[3];
 } float_ray;
 
 /* A ray in the frame of the hierarchy, its direction's largest component 1. */
@@ -83,7 +85,8 @@ static int start(walker *w, const lcor_bvh *bvh, const lcor_ray *ray)
         w->ray.o[k] = (float)w->origin[k];
         w->ray.d[k] = d;
         w->ray.inverse[k] = 1 / (fabsf(d) > 1e-12f ? d : copysignf(1e-12f, d));
-        w->ray.in[k] = 2 * k + (w->ray.inverse[k] < 0); /* also of -0 */
+        w->ray.in[k] = BVH_WIDTH * (2 * (size_t)k + (w->ray.inverse[k] < 0)); /* also of -0 */
+        w->ray.out[k] = w->ray.in[k] ^ BVH_WIDTH;
     }
     slack = fabs(w->t_min) * far_part + far_add;
     w->before = (float)(w->t_min - slack);
@@ -152,11 +155,37 @@ static inline void prefetch(const void *p)
 #endif
 }
 
-/* A child that waits and how far away its box is. */
-typedef struct entry {
-    int32_t child;
+/* A child that waits, below the bits of how far away its box is: those of a float that is not
+ * negative are in its order. */
+typedef uint64_t entry;
+
+static inline entry entry_of(const bvh_node *node, const float *near, unsigned i)
+{
+    uint32_t bits;
+
+    memcpy(&bits, &near[i], sizeof bits);
+    return (entry)bits << 32 | (uint32_t)node->child[i];
+}
+
+static inline int32_t entry_child(entry e) { return (int32_t)(uint32_t)e; }
+
+static inline float entry_near(entry e)
+{
+    const uint32_t bits = (uint32_t)(e >> 32);
     float near;
-} entry;
+
+    memcpy(&near, &bits, sizeof near);
+    return near;
+}
+
+/* The nearer first. */
+static inline void sort_entries(entry *a, entry *b)
+{
+    const entry least = *a < *b ? *a : *b, most = *a < *b ? *b : *a;
+
+    *a = least;
+    *b = most;
+}
 
 static inline unsigned lowest_bit(unsigned x)
 {

@@ -85,9 +85,9 @@ INNER void ISA(nearest)(walker *w, const float_ray *r, const bvh_block *block)
 INNER unsigned ISA(children)(const float_ray *r, float far, const bvh_node *node,
                              float near[BVH_WIDTH])
 {
-    const float *x_in = node->slab[r->in[0]], *x_out = node->slab[r->in[0] ^ 1];
-    const float *y_in = node->slab[r->in[1]], *y_out = node->slab[r->in[1] ^ 1];
-    const float *z_in = node->slab[r->in[2]], *z_out = node->slab[r->in[2] ^ 1];
+    const float *x_in = node->slab + r->in[0], *x_out = node->slab + r->out[0];
+    const float *y_in = node->slab + r->in[1], *y_out = node->slab + r->out[1];
+    const float *z_in = node->slab + r->in[2], *z_out = node->slab + r->out[2];
     const float ox = r->o[0], oy = r->o[1], oz = r->o[2];
     const float ix = r->inverse[0], iy = r->inverse[1], iz = r->inverse[2];
     int32_t hit[BVH_WIDTH];
@@ -108,30 +108,23 @@ INNER unsigned ISA(children)(const float_ray *r, float far, const bvh_node *node
     return MASK8(hit);
 }
 
-/* Goes on to the nearest child and stacks the others, the nearer on top. `left` is not empty. */
+/* Goes on to the nearest child and stacks the others, the nearer on top. `left` is not empty. How
+ * many there are can be told in advance, their order cannot: so that is found without branches. */
 INNER int32_t ISA(descend)(const bvh_node *node, unsigned left, const float near[BVH_WIDTH],
                            entry *stack, int *top)
 {
-    const unsigned first = lowest_bit(left);
     const int bottom = *top;
-    entry next = {node->child[first], near[first]};
+    entry next = entry_of(node, near, lowest_bit(left));
 
     for (left &= left - 1; left != 0; left &= left - 1) {
-        const unsigned i = lowest_bit(left);
-        entry other = {node->child[i], near[i]};
-        int at;
+        entry other = entry_of(node, near, lowest_bit(left));
 
-        if (other.near < next.near) {
-            const entry nearer = other;
-
-            other = next;
-            next = nearer;
-        }
-        for (at = (*top)++; at > bottom && stack[at - 1].near < other.near; at--)
-            stack[at] = stack[at - 1];
-        stack[at] = other;
+        sort_entries(&next, &other);
+        for (int at = bottom; at < *top; at++)
+            sort_entries(&other, &stack[at]);
+        stack[(*top)++] = other;
     }
-    return next.child;
+    return entry_child(next);
 }
 
 static TARGET void ISA(closest)(walker *w)
@@ -159,8 +152,8 @@ static TARGET void ISA(closest)(walker *w)
                 settle(w);
                 return;
             }
-            child = stack[--top].child;
-        } while (stack[top].near > w->far);
+            child = entry_child(stack[--top]);
+        } while (entry_near(stack[top]) > w->far);
     }
 }
 
