@@ -40,6 +40,11 @@ INNER float ISA(at_most)(float x, float limit)
     return POOR ? (x < limit ? x : limit) : ISA(from_bits)(a < b ? a : b);
 }
 
+INNER float ISA(clamp)(float x, float zero, float one)
+{
+    return ISA(at_most)(ISA(at_least)(x, zero), one);
+}
+
 /* 1 - f(t) with f of eqs 2-4 (CIE 1976): eq 16 divides by that, and float holds more of its digits
  * near white than of f's.
  *

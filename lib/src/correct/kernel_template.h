@@ -57,8 +57,7 @@ INNER uint32_t ISA(light)(const lcor_kernel_constants *k, float zero, float one,
     b->c[0][j] = r * k->m[0][0] + g * k->m[0][1] + bl * k->m[0][2];
     b->c[1][j] = y;
     b->c[2][j] = r * k->m[2][0] + g * k->m[2][1] + bl * k->m[2][2];
-    b->c[3][j] = ISA(at_most)(ISA(at_least)(b->v[j] * y + k->w, zero),
-                              one); /* eq 11, or T itself; rule S7 */
+    b->c[3][j] = ISA(clamp)(b->v[j] * y + k->w, zero, one); /* eq 11, or T itself; rule S7 */
     return ISA(doubt_of_three)(r, g, bl);
 }
 

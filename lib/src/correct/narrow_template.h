@@ -107,7 +107,7 @@ STAGE int ISA(lightness_of_f)(const lcor_kernel_constants *k, const float *restr
         b->g[1][j] = 1.0f - fy;
         b->g[2][j] = 1.0f - fz;
         b->c[1][j] = y;
-        b->c[3][j] = ISA(at_most)(ISA(at_least)(b->v[j] * y + w, zero), one);
+        b->c[3][j] = ISA(clamp)(b->v[j] * y + w, zero, one);
         worst = ISA(larger)(worst, ISA(doubt_of_three)(fx, fy, fz));
     }
     return ISA(is_suspect)(worst);
@@ -149,22 +149,20 @@ STAGE void ISA(interleave)(lcor_block *restrict b, float *restrict to)
 {
     const float zero = ISA(limits).zero, one = ISA(limits).one;
 
-#define CLAMPED(x) ISA(at_most)(ISA(at_least)(x, zero), one)
 #if POOR
     EACH (j, LCOR_BLOCK)
         for (size_t i = 0; i < 3; i++)
-            b->c[i][j] = CLAMPED(b->c[i][j]);
+            b->c[i][j] = ISA(clamp)(b->c[i][j], zero, one);
     EACH (j, LCOR_BLOCK)
         for (size_t i = 0; i < 3; i++)
             to[3 * j + i] = b->c[i][j];
 #else
     EACH (j, LCOR_BLOCK) {
-        to[3 * j] = CLAMPED(b->c[0][j]);
-        to[3 * j + 1] = CLAMPED(b->c[1][j]);
-        to[3 * j + 2] = CLAMPED(b->c[2][j]);
+        to[3 * j] = ISA(clamp)(b->c[0][j], zero, one);
+        to[3 * j + 1] = ISA(clamp)(b->c[1][j], zero, one);
+        to[3 * j + 2] = ISA(clamp)(b->c[2][j], zero, one);
     }
 #endif
-#undef CLAMPED
 }
 
 STAGE void ISA(clamp_planes)(float *restrict c)
@@ -172,7 +170,7 @@ STAGE void ISA(clamp_planes)(float *restrict c)
     const float zero = ISA(limits).zero, one = ISA(limits).one;
 
     EACH (j, 3 * LCOR_BLOCK)
-        c[j] = ISA(at_most)(ISA(at_least)(c[j], zero), one);
+        c[j] = ISA(clamp)(c[j], zero, one);
 }
 
 /* 0..1 to codes; halves go up. */
