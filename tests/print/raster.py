@@ -93,18 +93,18 @@ def pack(row: bytes, size: int) -> bytes:
 def write(pages: list[Page], kind: str = "v3") -> bytes:
     """kind: v3 (raw, little-endian), v3-big, v2 (compressed), pwg."""
     big = kind in ("v3-big", "pwg")
-    out = {"v3": b"3SaR", "v3-big": b"RaS3", "v2": b"2SaR", "pwg": b"RaS2"}[kind]
+    out = [{"v3": b"3SaR", "v3-big": b"RaS3", "v2": b"2SaR", "pwg": b"RaS2"}[kind]]
     for page in pages:
-        out += page.header(big, b"PwgRaster" if kind == "pwg" else b"")
+        out.append(page.header(big, b"PwgRaster" if kind == "pwg" else b""))
         for row in page.rows(big):
             if kind in ("v2", "pwg"):
                 step = page.pixels.dtype.itemsize * (
                     1 if page.order == BANDED else page.pixels.shape[2]
                 )
-                out += b"\0" + pack(row, step)
+                out.append(b"\0" + pack(row, step))
             else:
-                out += row
-    return out
+                out.append(row)
+    return b"".join(out)
 
 
 def unpack(
