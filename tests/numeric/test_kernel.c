@@ -60,6 +60,35 @@ static void f_is_within_9_1e_8(void **state)
     }
 }
 
+static void srgb_is_within_3e_7(void **state)
+{
+    const lcor_kernel *kernel;
+
+    (void)state;
+    for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
+        float c[LCOR_BLOCK];
+        double worst = 0.0;
+
+        for (int at = -LCOR_BLOCK; at < 1 << 20; at += LCOR_BLOCK) {
+            for (int j = 0; j < LCOR_BLOCK; j++)
+                c[j] = (float)(at + j) * 0x1p-20f;
+            kernel->to_srgb(c);
+            for (int j = 0; j < LCOR_BLOCK; j++) {
+                const double x = (double)fmaxf((float)(at + j) * 0x1p-20f, 0.0f);
+                const double y = x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055;
+
+                worst = fmax(worst, fabs((double)c[j] - y));
+            }
+        }
+        print_message("%s: sRGB in 0..1 %.3g\n", kernel->name, worst);
+        assert_true(worst < 3e-7);
+        c[0] = 1.0f;
+        c[1] = 1e9f;
+        kernel->to_srgb(c);
+        assert_true(c[0] == 1.0f && c[1] == 1.0f); /* white stays white */
+    }
+}
+
 /* Pixels of the two distributions the bounds are claimed for: random, and a sweep of 101 levels a
  * channel with the light running through the whole displayable range and beyond. */
 static size_t fill(int sweep, float *rgb, float *light)
@@ -328,6 +357,7 @@ static int release(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(f_is_within_9_1e_8),
+                                       cmocka_unit_test(srgb_is_within_3e_7),
                                        cmocka_unit_test(float_pixels_follow_double),
                                        cmocka_unit_test(grazing_and_yellow_pixels_follow_double),
                                        cmocka_unit_test(codes_are_at_most_one_off),

@@ -39,12 +39,13 @@ static LCOR_APART void load_plane(const lcor_plan *p, const void *from, size_t s
 /* All three channels of a pixel at once: looking up one after the other is mostly counting. */
 static void decode_bytes(const lcor_plan *p, const char *from, size_t m, lcor_block *b)
 {
-    const double *table = p->decode_table;
+    const float *table = p->decode_floats;
 
-    memset(b->c, 0, 3 * sizeof b->c[0]);
+    if (m < LCOR_BLOCK)
+        memset(b->c, 0, 3 * sizeof b->c[0]);
     for (size_t j = 0; j < m; j++, from += p->in.pixel_step)
         for (size_t k = 0; k < 3; k++)
-            b->c[k][j] = (float)table[((const uint8_t *)from)[k * p->in.channel_step]];
+            b->c[k][j] = table[((const uint8_t *)from)[k * p->in.channel_step]];
 }
 
 void lcor_internal_load_texels(const lcor_row_job *job, size_t at, size_t m, lcor_block *b)
@@ -150,6 +151,8 @@ void lcor_internal_to_device(const lcor_plan *plan, float values[LCOR_BLOCK])
 {
     if (plan->tone != NULL)
         apply_tone(plan, values);
+    else if (plan->colour.transfer == LCOR_TRANSFER_SRGB)
+        plan->kernel->to_srgb(values);
     else if (plan->colour.transfer != LCOR_TRANSFER_LINEAR)
         plan->kernel->transfer(&plan->k.encode, values);
 }

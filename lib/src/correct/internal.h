@@ -22,6 +22,7 @@ struct lcor_plan {
     const float *tone; /* in the same allocation, or NULL */
     size_t tone_size;
     const double *decode_table; /* linear values of 8-bit samples, where they are not a product */
+    const float *decode_floats; /* the same */
     const lcor_kernel *kernel;
     int in_double; /* the float path cannot do it: all goes through the reference */
     lcor_kernel_constants k;

@@ -42,6 +42,7 @@ typedef struct limits {
     static const lcor_kernel kernel_##set = {#set,                                                 \
                                              maps_##few,                                           \
                                              transfer_##set,                                       \
+                                             to_srgb_##few,                                        \
                                              split_bytes_##few,                                    \
                                              lightness_##set,                                      \
                                              lightness_of_planes_##few,                            \

@@ -73,6 +73,7 @@ typedef struct lcor_kernel {
     /* T and v; rho may be NULL */
     int (*maps)(const lcor_plan *plan, const float *illuminance, const float *rho, lcor_block *b);
     int (*transfer)(const lcor_power *p, float *c);
+    void (*to_srgb)(float *c); /* linear values as sRGB stores them, clamped */
     void (*split_bytes)(const uint8_t *rgb, lcor_block *b); /* into b->c */
     /* X Y Z and Ynew from pixels of three samples; from RGB in b->c; or what a texture leaves */
     int (*lightness)(const lcor_kernel_constants *k, const float *rgb, lcor_block *b);

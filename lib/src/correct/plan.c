@@ -110,13 +110,6 @@ static LCOR_COLD void set_transfer(const lcor_colour *c, float unit, lcor_kernel
                                  .in_offset = 0.055f / 1.055f,
                                  .exponent = 2.4f,
                                  .scale = 1.0f};
-        k->encode = (lcor_power){.top = 1.0f,
-                                 .knee = 0.0031308f,
-                                 .slope = 12.92f,
-                                 .in_scale = 1.0f,
-                                 .exponent = 1.0f / 2.4f,
-                                 .scale = 1.055f,
-                                 .offset = -0.055f};
     } else {
         k->decode = (lcor_power){.top = huge, .in_scale = 1.0f, .exponent = g, .scale = 1.0f};
         k->encode = (lcor_power){.top = 1.0f, .in_scale = 1.0f, .exponent = over_g, .scale = 1.0f};
@@ -174,6 +167,7 @@ LCOR_COLD lcor_status lcor_plan_new(const lcor_plan_options *options, lcor_plan 
     lcor_status status;
     size_t size, codes = 0;
     double *linear;
+    float *floats;
 
     if (options == NULL || out == NULL)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "options or out is NULL");
@@ -201,17 +195,22 @@ LCOR_COLD lcor_status lcor_plan_new(const lcor_plan_options *options, lcor_plan 
     prepare_kernel(&p);
     if (p.in_type == LCOR_U8 && p.colour.transfer != LCOR_TRANSFER_LINEAR)
         codes = 256;
-    size = sizeof p + codes * sizeof *linear + o.tone_size * sizeof *o.tone_curve; /* bounded */
+    size = sizeof p + codes * (sizeof *linear + sizeof *floats) +
+           o.tone_size * sizeof *o.tone_curve; /* bounded */
     plan = lcor_internal_alloc(&p.allocator, size);
     if (plan == NULL)
         return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory for a plan of %zu bytes",
                                   size);
     linear = (double *)(void *)(plan + 1);
-    for (size_t i = 0; i < codes; i++)
+    floats = (float *)(void *)(linear + codes);
+    for (size_t i = 0; i < codes; i++) {
         linear[i] = lcor_transfer_to_linear(&p.colour, (double)i / 255.0);
+        floats[i] = (float)linear[i];
+    }
     p.decode_table = codes != 0 ? linear : NULL;
+    p.decode_floats = floats;
     if (o.tone_size != 0) {
-        p.tone = memcpy(linear + codes, o.tone_curve, o.tone_size * sizeof *o.tone_curve);
+        p.tone = memcpy(floats + codes, o.tone_curve, o.tone_size * sizeof *o.tone_curve);
         p.tone_size = o.tone_size;
     }
     *plan = p;
