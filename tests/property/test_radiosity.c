@@ -486,6 +486,61 @@ static void the_engine_that_was_chosen_agrees_with_the_other(void **state)
     lcor_scene_free(scene);
 }
 
+/* A square along the axes, from a corner. */
+static void add_square(lcor_scene *scene, const double corner[3], const double u[3],
+                       const double v[3], double emission, int two_sided)
+{
+    lcor_surface look;
+    lcor_error err;
+
+    memset(&look, 0, sizeof look);
+    for (int c = 0; c < 3; c++) {
+        look.reflectance[c] = 0.7;
+        look.emission[c] = emission;
+    }
+    look.two_sided = two_sided;
+    must(lcor_scene_add_quad(scene, corner, u, v, &look, NULL, &err), &err);
+}
+
+static lcor_engine engine_at(lcor_scene *scene, double tolerance)
+{
+    lcor_radiosity_options options = options_for(LCOR_ENGINE_AUTO, tolerance);
+    lcor_solution *solution;
+    lcor_engine engine;
+
+    options.max_seconds = 1e-3; /* the choice is what matters */
+    solution = solve_with(scene, &options);
+    engine = lcor_solution_report(solution)->engine;
+    lcor_solution_free(solution);
+    return engine;
+}
+
+/* As measured: a wall that divides a room takes links 20 ms and gather 300 at 1 %, a lamp that
+ * emits a hair below a ceiling, over boxes, takes links more than a second and gather 150 ms. */
+static void walls_are_for_links_and_area_lights_over_boxes_for_gather(void **state)
+{
+    static const double tolerances[] = {0.05, 0.01};
+    lcor_scene *divided = paper_room(1), *lamp = NULL;
+    lcor_error err;
+
+    (void)state;
+    add_square(divided, (double[3]){0.5, 0, 0}, (double[3]){0, 1, 0}, (double[3]){0, 0, 1}, 0, 1);
+    commit(divided);
+    must(lcor_scene_new(NULL, &lamp, &err), &err);
+    add_room(lamp, 1, paper_rho, 0, 1);
+    add_box(lamp, (double[3]){0.1, 0.6, 0}, (double[3]){0.4, 0.85, 0.6}, 0.7, 1);
+    add_box(lamp, (double[3]){0.55, 0.2, 0}, (double[3]){0.85, 0.5, 0.3}, 0.7, 1);
+    add_square(lamp, (double[3]){0.4, 0.4, 0.999}, (double[3]){0, 0.2, 0}, (double[3]){0.2, 0, 0},
+               15, 0);
+    commit(lamp);
+    for (size_t t = 0; t < 2; t++) {
+        assert_int_equal(engine_at(divided, tolerances[t]), LCOR_ENGINE_LINKS);
+        assert_int_equal(engine_at(lamp, tolerances[t]), LCOR_ENGINE_GATHER);
+    }
+    lcor_scene_free(divided);
+    lcor_scene_free(lamp);
+}
+
 static void the_report_says_what_was_switched_off_and_why(void **state)
 {
     const lcor_radiosity_options asked = options_for(LCOR_ENGINE_LINKS, 0.05);
@@ -545,6 +600,7 @@ int main(void)
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(wrong_options_are_refused),
         cmocka_unit_test(the_engine_that_was_chosen_agrees_with_the_other),
+        cmocka_unit_test(walls_are_for_links_and_area_lights_over_boxes_for_gather),
         cmocka_unit_test(the_report_says_what_was_switched_off_and_why),
     };
 
