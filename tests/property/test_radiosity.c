@@ -3,6 +3,7 @@
 #include "crew.h"
 #include "failing.h"
 #include "rooms.h"
+#include "scene/scene_internal.h"
 
 enum { N = 6, VALUES = ROOM_FACES * N * N };
 
@@ -85,6 +86,33 @@ static void bits_do_not_depend_on_the_order_of_tasks(void **state)
         lcor_solution_free(two);
     }
     lcor_scene_free(scene);
+}
+
+/* Links in the empty room and past a box, as on a machine without wide vectors. */
+static void bits_do_not_depend_on_the_instruction_set(void **state)
+{
+    (void)state;
+    for (int box = 0; box < 2; box++) {
+        const lcor_radiosity_options options = options_for(LCOR_ENGINE_LINKS, 0.01);
+        lcor_scene *scene = box ? box_room() : paper_room(N);
+        double wide[VALUES], plain[VALUES];
+        lcor_solution *first, *second;
+        size_t last = 0;
+
+        commit(scene);
+        first = solve_with(scene, &options);
+        while (lcor_factor_points_at(last + 1))
+            last++;
+        scene->factor_points = lcor_factor_points_at(last);
+        memset(&scene->cpu, 0, sizeof scene->cpu);
+        second = solve_with(scene, &options);
+        room_values(first, wide);
+        room_values(second, plain);
+        assert_memory_equal(wide, plain, sizeof wide);
+        lcor_solution_free(first);
+        lcor_solution_free(second);
+        lcor_scene_free(scene);
+    }
 }
 
 /* Coordinates that were kept in single precision lie a little before or behind their surface: they
@@ -589,6 +617,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bits_do_not_depend_on_the_number_of_threads),
         cmocka_unit_test(bits_do_not_depend_on_the_order_of_tasks),
+        cmocka_unit_test(bits_do_not_depend_on_the_instruction_set),
         cmocka_unit_test(places_may_be_rounded),
         cmocka_unit_test(results_do_not_depend_on_the_unit_of_length),
         cmocka_unit_test(irradiance_is_linear_over_the_whole_range),

@@ -238,7 +238,7 @@ static int outline(const visible_view *view, int n, double (*points)[3])
 int visible_cone_add(visible_cone *cone, const visible_view *view, const double p[3],
                      const double q[3], const double inside[3])
 {
-    double edge[3], towards[3], d[3], depth, *inward = cone->inward[cone->n];
+    double edge[3], towards[3], d[3], depth, length, *inward = cone->inward[cone->n];
 
     if (cone->n == VISIBLE_EDGES)
         return -1;
@@ -248,11 +248,12 @@ int visible_cone_add(visible_cone *cone, const visible_view *view, const double 
     else
         vec_sub(view->eye.at, p, towards);
     vec_cross(towards, edge, inward);
-    if (!(vec_normalize(inward) > 0))
+    length = vec_length(inward); /* left as it is: only signs count */
+    if (!(length > 0))
         return 1;
     vec_sub(inside, p, d);
     depth = vec_dot(d, inward);
-    if (fabs(depth) <= 1e-3 * view->touch)
+    if (fabs(depth) <= 1e-3 * view->touch * length)
         return 0; /* seen edge-on */
     if (depth < 0)
         for (int k = 0; k < 3; k++)

@@ -34,7 +34,7 @@ typedef struct visible_view {
 /* A cone with its tip in the eye: the planes through the eye and an obstacle's outline. */
 typedef struct visible_cone {
     int n;
-    double point[VISIBLE_EDGES][3], inward[VISIBLE_EDGES][3];
+    double point[VISIBLE_EDGES][3], inward[VISIBLE_EDGES][3]; /* of any length */
 } visible_cone;
 
 /* Appends the part of a polygon of n corners (at most 40) that lies between plane and eye to the

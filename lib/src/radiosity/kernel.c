@@ -45,7 +45,7 @@ static void fill_open(const links *l, const links_link *link, double (*x)[3], li
             vec_copy(x[line * next + i * step], at[i]);
             exact[i] = block->exact[line * next + i * step];
         }
-        transfer_open(at, fr->normal, fs, &s->c, (double)link->accuracy, exact, weights);
+        transfer_open(l->scene, at, fr->normal, fs, &s->c, (double)link->accuracy, exact, weights);
         for (int k = 0; k < RULE_Q; k++)
             for (int i = 0; i < TRANSFER_LANES; i++)
                 block->k[k][line * next + i * step] = weights[i][k];

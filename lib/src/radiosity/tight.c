@@ -100,7 +100,7 @@ static void gather_together(batch *g, size_t index)
     for (int i = 0; i < TOGETHER; i += TRANSFER_LANES) {
         float weights[TRANSFER_LANES][RULE_Q];
 
-        transfer_open(g->x + i, g->on->normal, f, &e->c, accuracy, exact + i, weights);
+        transfer_open(g->l->scene, g->x + i, g->on->normal, f, &e->c, accuracy, exact + i, weights);
         for (int k = 0; k < TRANSFER_LANES; k++)
             add_weighed(g->l, index, weights[k], g->out[i + k]);
     }

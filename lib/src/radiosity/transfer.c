@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "radiosity/transfer.h"
 
+#include "base/internal.h"
 #include "geometry/factor.h"
 #include "geometry/vec.h"
 
@@ -23,7 +24,8 @@ typedef struct cell_view {
     float cosine[LANES];               /* of the centre's direction, times its distance */
 } cell_view;
 
-static void set_view(const transfer_frame *g, const face *f, const cell *c, cell_view *v)
+static LCOR_INLINE void set_view(const transfer_frame *g, const face *f, const cell *c,
+                                 cell_view *v)
 {
     const double s = c->s0 + 0.5 * c->hs, t = c->t0 + 0.5 * c->ht;
     const double line = f->line * (f->triangle ? s : 1);
@@ -54,7 +56,7 @@ typedef struct poles {
     float re2[2 * LANES], im2[2 * LANES], distance2[2 * LANES], height[2 * LANES];
 } poles;
 
-static void find_poles(const cell_view *v, poles *p)
+static LCOR_INLINE void find_poles(const cell_view *v, poles *p)
 {
     const float half[2][2] = {{v->first[0], v->first[1]}, {v->second, 0}};
     float x[2 * LANES], y[2 * LANES], *z = p->height, e0[2 * LANES], e1[2 * LANES];
@@ -162,7 +164,7 @@ void transfer_ellipses(double (*x)[3], const face *f, const cell *c, double *q, 
 }
 
 /* Whether all points are so many of the cell's radii from its centre that the rule is accurate. */
-static int all_distant(const transfer *t, const cell_view *v)
+static LCOR_INLINE int all_distant(const transfer *t, const cell_view *v)
 {
     const float radius = sqrtf(v->first[0] * v->first[0] + v->first[1] * v->first[1]) + v->second;
     const float limit = radius * radius * (float)t->distant;
@@ -179,7 +181,7 @@ static int all_distant(const transfer *t, const cell_view *v)
  * one to halve. The error is the form factor times q^-2p. The pole lies outside the ellipse of
  * parameter Q, half axes A and sqrt(A^2 - 1), if re^2 / A^2 + im^2 / (A^2 - 1) >= 1; with X = Q^2,
  * A^2 = (X + 2 + 1/X) / 4. */
-static lanes find_far(const transfer *t, const cell_view *v, lanes points, int *axis)
+static LCOR_INLINE lanes find_far(const transfer *t, const cell_view *v, lanes points, int *axis)
 {
     const float area = 4 * fabsf(v->first[1] * v->second) * (float)inv_pi;
     const float wanted = 1 / (float)t->accuracy;
@@ -228,8 +230,8 @@ static const float node_wt[RULE_Q] =
 
 /* Gauss quadrature of a cell that is seen as a whole, but for the height over pi: the inner loop.
  */
-static void whole(const transfer *t, const cell *c, const cell_view *v, lanes points,
-                  float weights[][RULE_Q])
+static LCOR_INLINE void whole(const transfer *t, const cell *c, const cell_view *v, lanes points,
+                              float weights[][RULE_Q])
 {
     const face *f = t->f;
     const float na = (float)t->frame.n_along, nc = (float)t->frame.n_across;
@@ -263,7 +265,7 @@ static void whole(const transfer *t, const cell *c, const cell_view *v, lanes po
 }
 
 /* Values of the polynomials along one axis at x, those at one place together. */
-static void node_values(const float x[RULE_Q], float values[RULE_Q][RULE_P])
+static LCOR_INLINE void node_values(const float x[RULE_Q], float values[RULE_Q][RULE_P])
 {
     static const float outer = 7.42054007F, inner = 18.7954494F; /* 1 / products of distances */
 
@@ -280,8 +282,9 @@ static void node_values(const float x[RULE_Q], float values[RULE_Q][RULE_P])
 
 /* Adds `sign` times the integral over a triangle p + s (a + t b) inside the cell, but for the
  * height over pi. */
-static void add_triangle(const transfer *t, const cell *c, double sign, const double p[3],
-                         const double q[3], const double r[3], float weights[][RULE_Q])
+static LCOR_INLINE void add_triangle(const transfer *t, const cell *c, double sign,
+                                     const double p[3], const double q[3], const double r[3],
+                                     float weights[][RULE_Q])
 {
     const face *f = t->f;
     double a[3], b[3], d[3], o[3], cross[3], first[3], second[3], area2;
@@ -347,8 +350,8 @@ static double set_factor(const transfer *t, const visible_set *set)
 
 /* Weights of what the only point sees of a cell on which the kernel is smooth. Returns -1 if it
  * should be split after all, else the exact factor. */
-static double clipped_cell(const transfer *t, const cell *c, const cell_view *v, int depth,
-                           float weights[][RULE_Q])
+static LCOR_INLINE double clipped_cell(const transfer *t, const cell *c, const cell_view *v,
+                                       int depth, float weights[][RULE_Q])
 {
     double corners[4][3];
     visible_set set;
@@ -372,11 +375,14 @@ static double clipped_cell(const transfer *t, const cell *c, const cell_view *v,
     return set_factor(t, &set);
 }
 
+typedef double near_field(const transfer *t, const cell *c, lanes points, int clipped, int depth,
+                          float weights[][RULE_Q]);
+
 /* Virtual splitting: the sender keeps its nodes, but cells too near for some points are halved for
  * these, and the weights of the halves are folded back onto the whole. Returns the exact factor of
  * what is seen, where that is clipped. */
-static double near_cell(const transfer *t, const cell *c, lanes points, int clipped, int depth,
-                        float weights[][RULE_Q])
+static LCOR_INLINE double near_cell(const transfer *t, const cell *c, lanes points, int clipped,
+                                    int depth, float weights[][RULE_Q], near_field *of_half)
 {
     float part[LANES][RULE_Q];
     double exact = 0;
@@ -405,12 +411,38 @@ static double near_cell(const transfer *t, const cell *c, lanes points, int clip
     for (int i = 0; i < 2; i++) {
         half.s0 = c->s0 + (axis == 0 ? i * half.hs : 0);
         half.t0 = c->t0 + (axis == 1 ? i * half.ht : 0);
-        exact += near_cell(t, &half, points, clipped, depth + 1, part);
+        exact += of_half(t, &half, points, clipped, depth + 1, part);
         for (int k = 0; k < LANES; k++)
             if (points & 1U << k)
                 rule_fold_float(axis, i, part[k], weights[k]);
     }
     return exact;
+}
+
+static double near_base(const transfer *t, const cell *c, lanes points, int clipped, int depth,
+                        float weights[][RULE_Q])
+{
+    return near_cell(t, c, points, clipped, depth, weights, near_base);
+}
+
+#ifdef LCOR_HAVE_X86
+static __attribute__((target("avx2"))) double near_avx2(const transfer *t, const cell *c,
+                                                        lanes points, int clipped, int depth,
+                                                        float weights[][RULE_Q])
+{
+    return near_cell(t, c, points, clipped, depth, weights, near_avx2);
+}
+#endif
+
+/* The fastest for this machine; all give the same bits. */
+static near_field *near_for(lcor_cpu cpu)
+{
+#ifdef LCOR_HAVE_X86
+    if (cpu.avx2)
+        return near_avx2;
+#endif
+    (void)cpu;
+    return near_base;
 }
 
 /* What does not depend on the points' number; the frame's lanes are the caller's. */
@@ -484,7 +516,7 @@ double transfer_weights(const transfer *t, const cell *c, float weights[RULE_Q])
         memset(weights, 0, RULE_Q * sizeof *weights);
         return 0;
     }
-    exact = near_cell(t, c, 1, hidden || side, 0, rows);
+    exact = near_for(t->sight.scene->cpu)(t, c, 1, hidden || side, 0, rows);
     if (!hidden && !side)
         exact = lcor_factor_point(t->x, t->normal, 4, corners[0]);
     scale_row(t->frame.height[0], exact, rows[0]);
@@ -492,15 +524,15 @@ double transfer_weights(const transfer *t, const cell *c, float weights[RULE_Q])
     return exact;
 }
 
-void transfer_open(double (*x)[3], const double normal[3], const face *f, const cell *c,
-                   double accuracy, const double *exact, float (*weights)[RULE_Q])
+void transfer_open(const lcor_scene *scene, double (*x)[3], const double normal[3], const face *f,
+                   const cell *c, double accuracy, const double *exact, float (*weights)[RULE_Q])
 {
     transfer t;
 
     set_target(&t, normal, f, accuracy);
     for (int i = 0; i < LANES; i++)
         set_lane(&t.frame, i, x[i], f);
-    (void)near_cell(&t, c, (1U << LANES) - 1, 0, 0, weights);
+    (void)near_for(scene->cpu)(&t, c, (1U << LANES) - 1, 0, 0, weights);
     for (int i = 0; i < LANES; i++)
         scale_row(t.frame.height[i], exact[i], weights[i]);
 }

@@ -36,8 +36,8 @@ void transfer_aim(transfer *t, const lcor_scene *scene, const double x[3], const
 double transfer_weights(const transfer *t, const cell *c, float weights[RULE_Q]);
 
 /* The same for TRANSFER_LANES points that see the whole cell, of which the form factor is known. */
-void transfer_open(double (*x)[3], const double normal[3], const face *f, const cell *c,
-                   double accuracy, const double *exact, float (*weights)[RULE_Q]);
+void transfer_open(const lcor_scene *scene, double (*x)[3], const double normal[3], const face *f,
+                   const cell *c, double accuracy, const double *exact, float (*weights)[RULE_Q]);
 
 /* Exact form factor from x to what it sees of the cell. */
 double transfer_factor(const transfer *t, const cell *c);

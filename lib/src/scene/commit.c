@@ -254,6 +254,7 @@ lcor_status lcor_scene_commit(lcor_scene *scene, const lcor_parallel *parallel, 
     for (size_t i = 0; i < scene->lights.count; i++)
         (void)vec_normalize(((lcor_light *)scene->lights.items)[i].direction);
     scene->factor_points = lcor_factor_points_at(0);
+    scene->cpu = lcor_internal_cpu();
     scene->diameter = diameter_of(scene);
     scene->convex = is_convex(scene);
     corners = scene->corners.count;

@@ -5,6 +5,7 @@
 #define LCOR_SCENE_INTERNAL_H
 
 #include "base/array.h"
+#include "base/cpu.h"
 #include "geometry/bvh.h"
 #include "geometry/factor.h"
 
@@ -58,8 +59,9 @@ struct lcor_scene {
     int committed;
     lcor_bvh *bvh;                     /* owners are surface numbers */
     lcor_factor_points *factor_points; /* for this machine */
-    double diameter;                   /* of the bounding box */
-    int convex; /* no surface has anything behind it: nothing hides anything */
+    lcor_cpu cpu;
+    double diameter; /* of the bounding box */
+    int convex;      /* no surface has anything behind it: nothing hides anything */
     /* Shape i is a surface as it was added, or sheet i - surfaces.count. */
     lcor_array sheets, sheet_members; /* scene_sheet, uint32_t */
     lcor_array shapes;                /* uint32_t: the sheets and every surface that is in none */
