@@ -55,13 +55,23 @@ int gather_each(gather *g, size_t n, void (*task)(void *arg, size_t i), void *ar
     return !g->cancelled;
 }
 
+static double seconds_spent(const lcor_solution *s)
+{
+    return (double)(clock() - s->start) / CLOCKS_PER_SEC;
+}
+
+static double seconds_left(const lcor_solution *s)
+{
+    return s->options.max_seconds > 0 ? fmax(s->options.max_seconds - seconds_spent(s), 0)
+                                      : HUGE_VAL;
+}
+
 double gather_rays_left(const gather *g)
 {
-    const lcor_solution *s = g->solution;
-    const double spent = (double)(clock() - s->start) / CLOCKS_PER_SEC;
+    const double spent = seconds_spent(g->solution);
     const double rate = g->rays > 1000 && spent > 0.001 ? (double)g->rays / spent : rate_guess;
 
-    return s->options.max_seconds > 0 ? fmax(s->options.max_seconds - spent, 0) * rate : HUGE_VAL;
+    return seconds_left(g->solution) * rate;
 }
 
 uint64_t gather_bytes(const gather *g)
@@ -249,46 +259,74 @@ static int settle(gather *g, gather_errors *e)
     return 1;
 }
 
+/* One round: a field, unless there is one, and how far its answers are from the truth. Returns 0
+ * without memory or when cancelled. */
+static int attempt(gather *g, int new_field, gather_errors *errors)
+{
+    if (new_field && (!gather_grow(g) || !gather_solve_field(g) || !gather_set_mean(g)))
+        return 0;
+    /* Half of the time left for the places of the estimate, each answered twice. */
+    g->effort.samples =
+        fmin(fmax(0.5 * gather_rays_left(g) / (2 * SAMPLE * rays_per_sample), samples_least),
+             samples_most);
+    if (g->hurry)
+        g->effort.stop = fmax(g->effort.stop, stop_hurried);
+    g->effort.patch_stop = g->effort.stop;
+    return gather_estimate(g, SAMPLE, errors);
+}
+
+static void report_errors(lcor_solution *s, const gather_errors *errors)
+{
+    const gather *g = s->state;
+
+    s->report.error_rms = errors->rms;
+    s->report.error_max = errors->max;
+    s->report.iterations = g->iterations;
+    s->report.elements = g->slots;
+    s->report.rays = g->rays;
+    if (gather_bytes(g) > s->report.bytes)
+        s->report.bytes = gather_bytes(g);
+}
+
 static lcor_status solve(lcor_solution *s, lcor_error *err)
 {
     gather *g = s->state;
+    gather_errors errors = {0}, last;
+    gather_effort effort;
     int new_field = 1;
 
     g->cancelled = g->hurry = 0;
     set_effort(g, s->options.tolerance);
+    effort = g->effort;
     if (!guide_build(g))
         return no_memory(err);
     g->mean = g->guide.mean;
     for (int round = 0; round < ROUNDS_MAX; round++) {
-        gather_errors errors;
+        const double begun = seconds_spent(s);
 
-        if (new_field && (!gather_grow(g) || !gather_solve_field(g) || !gather_set_mean(g)))
+        last = errors;
+        if (!attempt(g, new_field, &errors))
             goto stopped;
-        /* Half of the time left for the places of the estimate, each answered twice. */
-        g->effort.samples =
-            fmin(fmax(0.5 * gather_rays_left(g) / (2 * SAMPLE * rays_per_sample), samples_least),
-                 samples_most);
-        if (g->hurry)
-            g->effort.stop = fmax(g->effort.stop, stop_hurried);
-        if (!gather_estimate(g, SAMPLE, &errors))
-            goto stopped;
+        if (g->hurry && !new_field && wanted_error(s, &errors) > wanted_error(s, &last)) {
+            errors = last; /* what could not be done in time is no better */
+            g->effort = effort;
+        }
         s->report.converged = is_met(s, &errors);
-        g->effort.patch_stop = g->effort.stop;
         if (s->report.converged && s->options.norm == LCOR_NORM_RMS) {
             if (!settle(g, &errors))
                 goto stopped;
             s->report.converged = is_met(s, &errors);
         }
-        s->report.error_rms = errors.rms;
-        s->report.error_max = errors.max;
-        s->report.iterations = g->iterations;
-        s->report.elements = g->slots;
-        s->report.rays = g->rays;
-        if (gather_bytes(g) > s->report.bytes)
-            s->report.bytes = gather_bytes(g);
+        report_errors(s, &errors);
         if (s->report.converged || g->hurry)
             break;
+        effort = g->effort;
         new_field = strive(g, &errors);
+        /* What cannot be ended is not begun: finer takes longer than what it is to improve. */
+        if (seconds_left(s) < (new_field ? 4 : 2) * (seconds_spent(s) - begun)) {
+            g->effort = effort;
+            break;
+        }
     }
     describe(s);
     return LCOR_OK;
