@@ -28,18 +28,19 @@ static double range_factor(const lcor_light *light, double distance)
 
 double lcor_direct_unshadowed(const lcor_light *light, const double x[3], const double normal[3])
 {
-    double to[3], distance, cosine, value;
+    double to[3], square, distance, height, value;
 
     if (light->kind == LCOR_LIGHT_DIRECTIONAL)
         return fmax(0, -vec_dot(light->direction, normal));
     vec_sub(light->position, x, to);
-    if (!(vec_dot(to, normal) > 0))
+    height = vec_dot(to, normal);
+    if (!(height > 0))
         return 0;
-    distance = vec_normalize(to);
-    cosine = vec_dot(to, normal);
-    value = cosine / distance / distance * range_factor(light, distance);
+    square = vec_dot(to, to);
+    distance = sqrt(square);
+    value = height / (square * distance) * range_factor(light, distance);
     if (light->kind == LCOR_LIGHT_SPOT)
-        value *= spot_factor(light, -vec_dot(to, light->direction));
+        value *= spot_factor(light, -vec_dot(to, light->direction) / distance);
     return value;
 }
 
