@@ -163,7 +163,7 @@ void write_false_colour(const std::string &path, const std::vector<float> &lux, 
     const Scale scale = scale_of(lux);
     const size_t size = std::max<size_t>(2, height / 150); /* of the legend's details */
     const size_t legend =
-        6 * size / 2 + 4 * size + 2 * size + 10 * 6 * std::max<size_t>(size / 2, 1);
+        6 * size / 2 + 4 * size + 2 * size + 10 * (6 * std::max<size_t>(size / 2, 1));
     Canvas canvas(width + legend, height);
     for (size_t y = 0; y < height; y++)
         for (size_t x = 0; x < width; x++) {
