@@ -97,7 +97,7 @@ STAGE void ISA(g)(const float *restrict t, float *restrict g, size_t planes)
             const float root = m * z * z;
 
             c0[j] = root;
-            e[j] = 1.0f - root * z;
+            e[j] = root * z - 1.0f;
             g[j] = (t[j] - m) * 7.78703703f; /* 841/108 */
         }
         EACH (j, LCOR_BLOCK)
