@@ -46,9 +46,10 @@ static inline void vec_cross(const double a[3], const double b[3], double out[3]
 /* Scales a to length 1 and returns its old length; a zero vector stays. */
 static inline double vec_normalize(double a[3])
 {
-    const double largest = fmax(fabs(a[0]), fmax(fabs(a[1]), fabs(a[2])));
-    double length;
+    double largest = fabs(a[0]), length;
 
+    for (int k = 1; k < 3; k++) /* not by fmax, which few compilers inline */
+        largest = fabs(a[k]) > largest ? fabs(a[k]) : largest;
     if (!(largest > 0))
         return 0;
     for (int k = 0; k < 3; k++)

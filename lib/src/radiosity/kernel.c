@@ -58,6 +58,7 @@ static void fill_link(const links *l, const links_link *link)
     const face *fr = links_face_of(l, r), *fs = links_face_of(l, s);
     links_block *block = (links_block *)l->blocks.items + link->block;
     double x[RULE_Q][3];
+    transfer t;
 
     for (int i = 0; i < RULE_Q; i++)
         face_point(fr, r->c.s0 + rule_x[i / RULE_P] * r->c.hs,
@@ -67,13 +68,13 @@ static void fill_link(const links *l, const links_link *link)
         fill_open(l, link, x, block);
         return;
     }
+    transfer_target(&t, l->scene, fr->normal, fs,
+                    (const uint32_t *)l->occluders.items + link->first_occluder,
+                    link->occluder_count, (double)link->accuracy);
     for (int i = 0; i < RULE_Q; i++) {
         float weights[RULE_Q];
-        transfer t;
 
-        transfer_aim(&t, l->scene, x[i], fr->normal, fs,
-                     (const uint32_t *)l->occluders.items + link->first_occluder,
-                     link->occluder_count, (double)link->accuracy);
+        transfer_aim(&t, x[i]);
         block->exact[i] = transfer_weights(&t, &s->c, weights);
         for (int k = 0; k < RULE_Q; k++)
             block->k[k][i] = weights[k];

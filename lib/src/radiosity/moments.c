@@ -183,7 +183,8 @@ void moments_aim(moments *m, const lcor_scene *scene, const lcor_light *light, c
     m->f = f;
     m->accuracy = accuracy;
     sight_eye_of(light, &eye);
-    sight_aim(&m->sight, scene, &eye, f, blockers, count);
+    sight_target(&m->sight, scene, f, blockers, count);
+    sight_aim(&m->sight, &eye);
 }
 
 double moments_of(const moments *m, const cell *c, double out[RULE_Q])

@@ -53,15 +53,15 @@ static void add_edge_planes(shaft *s, const region *a, const region *b, double t
 
         vec_sub(q, p, edge);
         for (int j = 0; j < 4; j++) {
-            double d[3], normal[3];
+            double d[3], normal[3], slack;
             int mine;
 
             vec_sub(b->corners[j], p, d);
             vec_cross(edge, d, normal);
-            if (!(vec_normalize(normal) > 0))
-                continue;
-            mine = side_of((const double(*)[3])a->corners, p, normal, touch);
-            if (mine != 0 && side_of((const double(*)[3])b->corners, p, normal, touch) == mine)
+            slack = touch * vec_length(normal); /* most planes are not worth dividing for */
+            mine = side_of((const double(*)[3])a->corners, p, normal, slack);
+            if (mine != 0 && side_of((const double(*)[3])b->corners, p, normal, slack) == mine &&
+                vec_normalize(normal) > 0)
                 add_plane(s, p, normal, -mine);
         }
     }

@@ -126,15 +126,17 @@ static void measure(const links *l, links_link *p)
     for (size_t i = 0; i < tests; i++)
         face_point(fr, r->c.s0 + at[i][0] * r->c.hs, r->c.t0 + at[i][1] * r->c.ht, x[RULE_Q + i]);
     if (p->occluder_count > 0 ||
-        !transfer_factors(l->scene, fr, RULE_Q + tests, x, fs, &s->c, value))
-        for (size_t i = 0; i < RULE_Q + tests; i++) {
-            transfer t;
+        !transfer_factors(l->scene, fr, RULE_Q + tests, x, fs, &s->c, value)) {
+        transfer t;
 
-            transfer_aim(&t, l->scene, x[i], fr->normal, fs,
-                         (const uint32_t *)l->occluders.items + p->first_occluder,
-                         p->occluder_count, l->accuracy);
+        transfer_target(&t, l->scene, fr->normal, fs,
+                        (const uint32_t *)l->occluders.items + p->first_occluder, p->occluder_count,
+                        l->accuracy);
+        for (size_t i = 0; i < RULE_Q + tests; i++) {
+            transfer_aim(&t, x[i]);
             value[i] = transfer_factor(&t, &s->c);
         }
+    }
     p->defect[0] = p->defect[1] = p->defect[2] = 0;
     for (size_t i = 0; i < tests; i++) {
         const size_t axis = i == ENDS ? (size_t)long_axis(l, r) : i / 2;

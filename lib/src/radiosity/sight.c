@@ -11,14 +11,13 @@ void sight_eye_of(const lcor_light *light, visible_eye *eye)
 }
 
 /* Whether the view's plane cuts nothing off the solid. */
-static int in_front(const lcor_scene *scene, const scene_solid *solid, const visible_view *view)
+static int in_front(const lcor_scene *scene, const scene_solid *solid, const face *f)
 {
     const scene_edge *edges = (const scene_edge *)scene->edges.items + solid->first_edge;
-    const double offset = vec_dot(view->target, view->normal) - view->touch;
+    const double offset = vec_dot(f->origin, f->normal) - SCENE_TOUCH * scene->diameter;
 
     for (size_t i = 0; i < solid->edge_count; i++)
-        if (vec_dot(edges[i].p, view->normal) < offset ||
-            vec_dot(edges[i].q, view->normal) < offset)
+        if (vec_dot(edges[i].p, f->normal) < offset || vec_dot(edges[i].q, f->normal) < offset)
             return 0;
     return 1;
 }
@@ -69,31 +68,47 @@ static int over_solid(const lcor_scene *scene, const scene_solid *solid, const v
     return cone->n >= 3;
 }
 
-void sight_aim(sight *s, const lcor_scene *scene, const visible_eye *eye, const face *f,
-               const uint32_t *blockers, size_t count)
+void sight_target(sight *s, const lcor_scene *scene, const face *f, const uint32_t *blockers,
+                  size_t count)
 {
-    visible_view view;
-
     s->scene = scene;
     s->f = f;
+    s->blockers = blockers;
+    s->blocker_count = count;
+    s->whole = 0;
+    s->crowded = s->count = 0;
+    for (size_t i = 0; i < count && i < 32; i++) {
+        const scene_solid *solid = scene_solid_of(scene, blockers[i]);
+
+        if (solid && in_front(scene, solid, f))
+            s->whole |= UINT32_C(1) << i;
+    }
+}
+
+void sight_aim(sight *s, const visible_eye *eye)
+{
+    const lcor_scene *scene = s->scene;
+    visible_view view;
+
     s->eye = *eye;
     s->crowded = s->count = 0;
-    if (count == 0)
+    if (s->blocker_count == 0)
         return;
     view.eye = *eye;
     view.touch = SCENE_TOUCH * scene->diameter;
-    vec_copy(f->origin, view.target);
-    vec_copy(f->normal, view.normal);
-    for (size_t i = 0; i < count && !s->crowded; i++) {
-        const scene_solid *solid = scene_solid_of(scene, blockers[i]);
-        int cone = -1, parts = !solid || !in_front(scene, solid, &view);
+    vec_copy(s->f->origin, view.target);
+    vec_copy(s->f->normal, view.normal);
+    for (size_t i = 0; i < s->blocker_count && !s->crowded; i++) {
+        const uint32_t blocker = s->blockers[i];
+        const scene_solid *solid = scene_solid_of(scene, blocker);
+        int cone = -1, parts = i >= 32 || !(s->whole >> i & 1);
 
         if (s->count < SIGHT_CONES && !parts) {
             parts = 1;
             cone = over_solid(scene, solid, &view, &s->cones[s->count], &parts);
         }
         if (s->count < SIGHT_CONES && parts)
-            cone = over_parts(scene, blockers[i], &view, &s->cones[s->count]);
+            cone = over_parts(scene, blocker, &view, &s->cones[s->count]);
         s->crowded = cone < 0;
         s->count += cone > 0;
     }

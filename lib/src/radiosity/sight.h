@@ -11,15 +11,19 @@ enum { SIGHT_CONES = 32 };
 typedef struct sight {
     const lcor_scene *scene;
     const face *f;
+    const uint32_t *blockers;
+    size_t blocker_count;
+    uint32_t whole; /* bit i: blocker i is a solid that the face's plane cuts nothing off */
     visible_eye eye;
     int crowded; /* too much in the way to clip against: rays decide */
     int count;
     visible_cone cones[SIGHT_CONES];
 } sight;
 
-/* Looks at face f past the given blockers. */
-void sight_aim(sight *s, const lcor_scene *scene, const visible_eye *eye, const face *f,
-               const uint32_t *blockers, size_t count);
+/* What is looked at, past which blockers; then from where, any number of times. */
+void sight_target(sight *s, const lcor_scene *scene, const face *f, const uint32_t *blockers,
+                  size_t count);
+void sight_aim(sight *s, const visible_eye *eye);
 
 /* The eye of a light. */
 void sight_eye_of(const lcor_light *light, visible_eye *eye);

@@ -167,8 +167,9 @@ void links_gather(const links *l, const double x[3], const double normal[3], uin
             if (kept == OCCLUDERS_BLOCK)
                 continue;
         }
-        transfer_aim(&g.t, l->scene, x, normal, f, occluders, kept > 0 ? (size_t)kept : 0,
-                     accuracy);
+        transfer_target(&g.t, l->scene, normal, f, occluders, kept > 0 ? (size_t)kept : 0,
+                        accuracy);
+        transfer_aim(&g.t, x);
         g.t.sight.crowded |= kept == OCCLUDERS_CROWD;
         gather_element(&g, (size_t)f->root);
     }

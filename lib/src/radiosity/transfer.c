@@ -459,16 +459,21 @@ static void set_target(transfer *t, const double normal[3], const face *f, doubl
     t->frame.n_height = vec_dot(normal, f->normal);
 }
 
-void transfer_aim(transfer *t, const lcor_scene *scene, const double x[3], const double normal[3],
-                  const face *f, const uint32_t *blockers, size_t count, double accuracy)
+void transfer_target(transfer *t, const lcor_scene *scene, const double normal[3], const face *f,
+                     const uint32_t *blockers, size_t count, double accuracy)
+{
+    set_target(t, normal, f, accuracy);
+    sight_target(&t->sight, scene, f, blockers, count);
+}
+
+void transfer_aim(transfer *t, const double x[3])
 {
     visible_eye eye = {{0, 0, 0}, 0};
 
-    set_target(t, normal, f, accuracy);
     t->x = x;
-    set_frame(&t->frame, x, f);
+    set_frame(&t->frame, x, t->f);
     vec_copy(x, eye.at);
-    sight_aim(&t->sight, scene, &eye, f, blockers, count);
+    sight_aim(&t->sight, &eye);
 }
 
 /* -1 nothing of the cell is in front of the point and facing it, 0 all of it is, 1 some. */

@@ -27,9 +27,12 @@ typedef struct transfer {
     sight sight;
 } transfer;
 
-/* Fills *t; `blockers` are what may stand between the point and the cells. */
-void transfer_aim(transfer *t, const lcor_scene *scene, const double x[3], const double normal[3],
-                  const face *f, const uint32_t *blockers, size_t count, double accuracy);
+/* What points with this normal look at; `blockers` are what may stand between them and the cells.
+ */
+void transfer_target(transfer *t, const lcor_scene *scene, const double normal[3], const face *f,
+                     const uint32_t *blockers, size_t count, double accuracy);
+/* The point that looks: any number of them, one after the other. */
+void transfer_aim(transfer *t, const double x[3]);
 
 /* Irradiance at x = sum of weights[k] * radiosity at node k of the cell. Returns the exact form
  * factor to what is seen of it. */
