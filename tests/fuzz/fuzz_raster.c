@@ -93,12 +93,12 @@ static void make_honest(uint8_t *data, unsigned seed)
 }
 
 /* Few bytes can say that a row comes millions of times. Most pages have some ten rows, a few enough
- * for several bands of the pipeline, and very few as many as they like. */
+ * for several bands of the pipeline. */
 static void limit_height(uint8_t *data, unsigned seed)
 {
     const uint32_t width = get_word(data, AT(cupsWidth)), height = get_word(data, AT(cupsHeight));
     const uint32_t highest = seed % 256 == 0 && width < 4096 ? (1u << 18) / (width + 1) : 20;
-    if (height > highest && seed % 8192 != 1)
+    if (height > highest)
         set_word(data, AT(cupsHeight), height % (highest + 1));
 }
 
