@@ -53,6 +53,9 @@ class Walker
     {
         for (const int root : roots())
             visit(root, Transform());
+        count_surfaces();
+        for (const auto &[index, world] : placed_)
+            convert_node(model_.nodes[static_cast<size_t>(index)], node_name(index), world);
     }
 
   private:
@@ -142,11 +145,47 @@ class Walker
                      file_.name.c_str(), node_name(index).c_str());
             seen_[static_cast<size_t>(index)] = true;
             const Transform world = parent * local(index);
+            placed_.emplace_back(index, world);
             const tinygltf::Node &node = model_.nodes[static_cast<size_t>(index)];
-            convert_node(node, node_name(index), world);
             for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
                 stack.emplace_back(*child, world);
         }
+    }
+
+    /* A small file may place a mesh many times: too many are refused before any is read. */
+    void count_surfaces() const
+    {
+        size_t triangles = 0, vertices = 0;
+        for (const auto &[index, world] : placed_) {
+            const int mesh = model_.nodes[static_cast<size_t>(index)].mesh;
+            if (mesh < 0 || static_cast<size_t>(mesh) >= model_.meshes.size())
+                continue;
+            for (const tinygltf::Primitive &primitive :
+                 model_.meshes[static_cast<size_t>(mesh)].primitives) {
+                const size_t read = elements(attribute(primitive, "POSITION"));
+                const size_t drawn = primitive.indices >= 0 ? elements(primitive.indices) : read;
+                triangles += primitive.mode == TINYGLTF_MODE_TRIANGLES ? drawn / 3 : drawn;
+                vertices += read + 64; /* reading starts anew for each primitive */
+                if (triangles > triangle_limit || vertices > vertex_limit)
+                    fail(Exit::input, "scene '%s': more than %zu triangles or %zu vertices",
+                         file_.name.c_str(), triangle_limit, vertex_limit);
+            }
+        }
+    }
+
+    /* Of an accessor; 0 for one that reading will refuse. */
+    size_t elements(int accessor) const
+    {
+        if (accessor < 0 || static_cast<size_t>(accessor) >= model_.accessors.size())
+            return 0;
+        const size_t count = model_.accessors[static_cast<size_t>(accessor)].count;
+        return count <= file_.bytes ? count : 0;
+    }
+
+    static int attribute(const tinygltf::Primitive &primitive, const std::string &key)
+    {
+        const auto found = primitive.attributes.find(key);
+        return found == primitive.attributes.end() ? -1 : found->second;
     }
 
     void convert_node(const tinygltf::Node &node, const std::string &name, const Transform &world)
@@ -232,22 +271,12 @@ class Walker
             read_extras(*extras, group);
         if (group.reflectance < 0.0)
             group.reflectance = contents_.measured[group.material];
-        const std::vector<Vertex> vertices = read_vertices(primitive, world);
-        /* Few vertices cost something too: reading starts anew for each primitive. */
-        vertices_read_ += vertices.size() + 64;
-        if (vertices_read_ > vertex_limit)
-            fail(Exit::input, "scene '%s': more than %zu vertices", file_.name.c_str(),
-                 vertex_limit);
-        add_triangles(primitive, vertices, group, world.determinant() < 0.0);
+        add_triangles(primitive, read_vertices(primitive, world), group, world.determinant() < 0.0);
     }
 
     std::vector<Vertex> read_vertices(const tinygltf::Primitive &primitive, const Transform &world)
     {
-        const auto attribute = [&](const std::string &key) {
-            const auto found = primitive.attributes.find(key);
-            return found == primitive.attributes.end() ? -1 : found->second;
-        };
-        const int position_index = attribute("POSITION");
+        const int position_index = attribute(primitive, "POSITION");
         if (position_index < 0)
             return {};
         const Accessor positions = read_accessor(file_, position_index, 3);
@@ -257,7 +286,7 @@ class Walker
                 world.point({positions.values[3 * i], positions.values[3 * i + 1],
                              positions.values[3 * i + 2]});
         const UvSource source = uv_source(file_, primitive.material);
-        const int uv_index = attribute(format("TEXCOORD_%d", source.set));
+        const int uv_index = attribute(primitive, format("TEXCOORD_%d", source.set));
         if (uv_index >= 0) {
             const Accessor uvs = read_accessor(file_, uv_index, 2);
             const std::array<double, 6> &t = source.transform;
@@ -268,7 +297,7 @@ class Walker
                 vertices[i].uv = {t[0] * u + t[1] * v + t[2], t[3] * u + t[4] * v + t[5]};
             }
         }
-        const int colour_index = attribute("COLOR_0");
+        const int colour_index = attribute(primitive, "COLOR_0");
         if (colour_index >= 0) {
             const Accessor colours = read_accessor(file_, colour_index, 0);
             for (size_t i = 0;
@@ -279,7 +308,7 @@ class Walker
                         std::isfinite(value) ? std::clamp(value, 0.0, 1.0) : 0.0;
                 }
         }
-        if (attribute("COLOR_1") >= 0)
+        if (attribute(primitive, "COLOR_1") >= 0)
             contents_.unsupported.insert("a second set of vertex colours");
         return vertices;
     }
@@ -304,9 +333,6 @@ class Walker
         const size_t count = list                 ? indices.size() / 3
                              : indices.size() < 3 ? 0
                                                   : indices.size() - 2;
-        if (count > triangle_limit - std::min(contents_.triangles.size(), triangle_limit))
-            fail(Exit::input, "scene '%s': more than %zu triangles", file_.name.c_str(),
-                 triangle_limit);
         contents_.groups.push_back(group);
         for (size_t i = 0; i < count; i++) {
             size_t a = list ? 3 * i : fan ? 0 : i;
@@ -324,7 +350,7 @@ class Walker
     const tinygltf::Model &model_;
     Contents &contents_;
     std::vector<bool> seen_;
-    size_t vertices_read_ = 0;
+    std::vector<std::pair<int, Transform>> placed_; /* nodes in world coordinates */
 };
 
 /* What a file uses and lcor does not draw. */
