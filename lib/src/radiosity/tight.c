@@ -77,12 +77,12 @@ static void gather_together(batch *g, size_t index)
 {
     const links_element *e = links_at(g->l, index);
     const face *f = links_face_of(g->l, e);
-    const double accuracy = factor_accuracy(e, g->accuracy, g->expected);
-    double exact[TOGETHER];
+    double exact[TOGETHER], accuracy;
     int fine = 1;
 
     if (!(e->b_max > 0))
         return;
+    accuracy = factor_accuracy(e, g->accuracy, g->expected);
     for (int i = 0; fine && e->child >= 0 && i < TOGETHER; i += TRANSFER_LANES) {
         double q[TRANSFER_LANES], distance2[TRANSFER_LANES];
 
