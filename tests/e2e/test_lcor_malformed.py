@@ -8,7 +8,7 @@ import struct
 
 import pytest
 from gltf_scene import QUAD, Scene, png
-from lcor_run import SANITIZED, lcor, refused
+from lcor_run import SANITIZED, good, lcor, refused
 
 # Whole processes, several libraries and threads' stacks included; nothing sanitized fits in it.
 ADDRESS_SPACE = 1 << 30
@@ -122,3 +122,14 @@ def test_instances_do_not_multiply_without_end(tmp_path):
     path = tmp_path / "s.glb"
     path.write_bytes(scene.glb())
     refused(3, "info", path, says="more than", preexec_fn=limit)
+
+
+@pytest.mark.skipif(SANITIZED, reason="sanitizers take all addresses; fuzz targets run under them")
+def test_a_hundred_thousand_triangles_in_one_plane_are_taken_soon(tmp_path):
+    scene = Scene()
+    many = scene.mesh(QUAD, [0, 1, 2] * 20000, material=scene.material())
+    for _ in range(5):
+        scene.node(mesh=many)
+    path = tmp_path / "s.glb"
+    path.write_bytes(scene.glb())
+    good("info", path, preexec_fn=limit)

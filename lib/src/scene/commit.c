@@ -6,6 +6,7 @@
 #include "scene/scene_internal.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double half_pi = 1.57079632679489661923;
 
@@ -226,13 +227,29 @@ static lcor_status build_rays(lcor_scene *scene, const lcor_parallel *parallel, 
     return status;
 }
 
+/* Walls of many tiles or triangles lie in one plane: it is looked at once. */
 static int is_convex(const lcor_scene *scene)
 {
     const double *p = scene->corners.items;
+    const double least = -SCENE_TOUCH * scene->diameter;
+    const scene_surface *before = NULL;
 
-    for (size_t i = 0; i < scene->corners.count; i++)
-        if (!lcor_scene_inside(scene, p + 3 * i))
-            return 0;
+    for (size_t i = 0; i < scene->surfaces.count; i++) {
+        const scene_surface *s = scene_surface_at(scene, i);
+        double d[3];
+
+        if (before && memcmp(s->normal, before->normal, sizeof s->normal) == 0) {
+            vec_sub(s->origin, before->origin, d);
+            if (vec_dot(d, s->normal) == 0)
+                continue;
+        }
+        before = s;
+        for (size_t j = 0; j < scene->corners.count; j++) {
+            vec_sub(p + 3 * j, s->origin, d);
+            if (vec_dot(d, s->normal) < least)
+                return 0;
+        }
+    }
     return 1;
 }
 
