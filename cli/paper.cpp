@@ -159,7 +159,7 @@ Exit run_paper(const Arguments &arguments)
     const std::vector<std::string> textures = textures_of(paper);
     const std::string room = paper.folder + "/room.glb";
     const Scene scene = table3(textures, room, threads);
-    const SolutionPointer solution = solve(scene, SolveOptions(), threads);
+    const SolutionPointer solution = solve_for_picture(scene, SolveOptions(), threads);
     Json document = {{"software", std::string("lcor ") + lcor_version()},
                      {"contrast", paper.contrast}};
     document["table3"] = table3_json(scene, solution.get());

@@ -152,7 +152,7 @@ void render_scene(const RenderOptions &render, const std::string &command)
         shared = read_adaptation(render.adaptation);
     const Scene scene = load_scene(render.scene, render.scene_options, threads);
     const SceneCamera camera = choose_camera(scene, render.camera);
-    const SolutionPointer solution = solve(scene, render.solve, threads);
+    const SolutionPointer solution = solve_for_picture(scene, render.solve, threads);
     const Picture picture(scene, solution.get(), sized_camera(camera, render.size),
                           0.1 * render.solve.tolerance, threads);
     const double r_mean = find_mean(render, device, picture, solution.get(), shared);

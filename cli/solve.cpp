@@ -2,6 +2,7 @@
 #include "scene.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace cli
 {
@@ -14,13 +15,13 @@ void SolveOptions::declare(Options &options)
         .number("--tolerance", "T", tolerance,
                 "relative error of illuminance to reach, default 0.01")
         .choice("--norm", {"rms", "max"}, norm,
-                "over patches: root mean square (default) or largest")
+                "over patches: root mean square (default) or largest; pictures by links: both")
         .choice("--engine", {"auto", "links", "gather"}, engine, "how radiosity is solved")
         .number("--max-seconds", "S", max_seconds,
                 "stop solving after S seconds with what there is");
 }
 
-SolutionPointer solve(const Scene &scene, const SolveOptions &options, Threads &threads)
+static SolutionPointer run(const Scene &scene, const SolveOptions &options, Threads &threads)
 {
     if (!(options.tolerance >= 1e-5 && options.tolerance <= 1.0))
         fail(Exit::usage, "--tolerance must lie in 0.00001..1, not %s",
@@ -31,7 +32,7 @@ SolutionPointer solve(const Scene &scene, const SolveOptions &options, Threads &
     lcor_radiosity_options settings = {};
     settings.struct_size = sizeof settings;
     settings.tolerance = options.tolerance;
-    settings.norm = static_cast<lcor_norm>(options.norm);
+    settings.norm = static_cast<lcor_norm>(std::max(options.norm, 0));
     settings.engine = static_cast<lcor_engine>(options.engine);
     settings.channels = scene.channels;
     std::copy_n(scene.colour.to_xyz + 3, 3, settings.luminance);
@@ -42,12 +43,32 @@ SolutionPointer solve(const Scene &scene, const SolveOptions &options, Threads &
     lcor_error error = {};
     check(lcor_radiosity_solve(scene.scene.get(), &settings, &solution, &error), error, Exit::input,
           "radiosity");
-    SolutionPointer owner(solution);
-    const lcor_radiosity_report *const report = lcor_solution_report(solution);
+    return SolutionPointer(solution);
+}
+
+SolutionPointer solve(const Scene &scene, const SolveOptions &options, Threads &threads)
+{
+    SolutionPointer solution = run(scene, options, threads);
+    const lcor_radiosity_report *const report = lcor_solution_report(solution.get());
     if (!report->converged)
         warn("radiosity stopped at an estimated error of %s (rms), %s was asked for",
              short_text(report->error_rms).c_str(), number_text(options.tolerance).c_str());
-    return owner;
+    return solution;
+}
+
+SolutionPointer solve_for_picture(const Scene &scene, const SolveOptions &options, Threads &threads)
+{
+    SolutionPointer solution = solve(scene, options, threads);
+    const lcor_radiosity_report *const report = lcor_solution_report(solution.get());
+    const double left = options.max_seconds - report->seconds;
+    if (options.norm >= 0 || report->engine != LCOR_ENGINE_LINKS || !report->converged ||
+        (options.max_seconds > 0.0 && left <= 0.0))
+        return solution;
+    SolveOptions worst = options;
+    worst.norm = LCOR_NORM_MAX;
+    worst.max_seconds = std::max(left, 0.0);
+    SolutionPointer even = run(scene, worst, threads);
+    return lcor_solution_report(even.get())->converged ? std::move(even) : std::move(solution);
 }
 
 void say_engine(const lcor_solution *solution)

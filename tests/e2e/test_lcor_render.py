@@ -133,6 +133,20 @@ def test_depth_place_and_surface_agree_with_an_independent_ray_caster(room, tmp_
     assert compared > 3200 and compared + edges == 3500
 
 
+def test_no_seam_of_elements_crosses_a_wall(tmp_path):
+    """At 1 % rms the halves of the back wall may differ by 3 % where they meet: seen at once."""
+    width, height = 480, 270
+    good("room", "-o", tmp_path / "room.glb", "--light", "0.5,0.45,0.6,100")
+    found = report("render", tmp_path / "room.glb", "-o", tmp_path / "a.png", *DEVICE,
+                   "--size", f"{width}x{height}", "--aov", f"indirect={tmp_path}/i.exr")
+    assert found["radiosity"]["engine"] == "links"
+    indirect = pixels(tmp_path / "i.exr")
+    columns, rows = range(150, 330), range(40, 230)  # of the back wall, without its edges
+    at = [y * width + x for y in rows for x in columns]
+    steps = [abs(indirect[i][0] / indirect[i - 1][0] - 1) for i in at]
+    assert max(steps) < 0.012
+
+
 def test_the_number_of_threads_changes_no_byte(room, tmp_path):
     files = []
     for threads in (1, 2, 3):
