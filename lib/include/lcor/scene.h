@@ -75,8 +75,8 @@ LCOR_API lcor_status lcor_scene_set_surface(lcor_scene *scene, size_t id,
 LCOR_API lcor_status lcor_scene_set_light(lcor_scene *scene, size_t id, const lcor_light *light,
                                           lcor_error *err);
 
-/** Validate everything, build the ray structure, merge coplanar pieces that look alike and make up a
- *  parallelogram (their numbers and patches stay), classify the scene (convex, channels).
+/** Validate everything, build the ray structure, merge coplanar pieces that look alike and make
+ *  up a parallelogram (their numbers and patches stay), classify the scene (convex, channels).
  *
  *  Errors: LCOR_ERR_DOMAIN names the first bad item in err->text and err->where (a number that is
  *  not finite, not planar, not convex, without area, rho outside 0 <= rho < 1, no surface);

@@ -28,16 +28,24 @@ static const limits ISA(limits) = LIMITS;
 
 INNER float ISA(at_least)(float x, float limit)
 {
+#if POOR
+    return x > limit ? x : limit;
+#else
     const int32_t a = ISA(bits)(x), b = ISA(bits)(limit);
 
-    return POOR ? (x > limit ? x : limit) : ISA(from_bits)(a > b ? a : b);
+    return ISA(from_bits)(a > b ? a : b);
+#endif
 }
 
 INNER float ISA(at_most)(float x, float limit)
 {
+#if POOR
+    return x < limit ? x : limit;
+#else
     const int32_t a = ISA(bits)(x), b = ISA(bits)(limit);
 
-    return POOR ? (x < limit ? x : limit) : ISA(from_bits)(a < b ? a : b);
+    return ISA(from_bits)(a < b ? a : b);
+#endif
 }
 
 INNER float ISA(clamp)(float x, float zero, float one)
