@@ -10,6 +10,7 @@
 #include "dense.h"
 #include "report.h"
 #include "richardson.h"
+#include "room_quads.h"
 
 #include <lcor/radiosity.h>
 
@@ -18,21 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FACES = 6, REPEAT = 5 };
-
-static const char *const names[FACES] = {"floor", "ceiling", "x0", "x1", "y0", "y1"};
-static const int swapped[FACES] = {0, 1, 0, 1, 1, 0};
-static const double quads[11][9] = {{0, 0, 0, 1, 0, 0, 0, 1, 0},
-                                    {0, 0, 1, 0, 1, 0, 1, 0, 0},
-                                    {0, 0, 0, 0, 1, 0, 0, 0, 1},
-                                    {1, 0, 0, 0, 0, 1, 0, 1, 0},
-                                    {0, 0, 0, 0, 0, 1, 1, 0, 0},
-                                    {0, 1, 0, 1, 0, 0, 0, 0, 1},
-                                    {0.45, 0.2, 0.4, 0.3, 0, 0, 0, 0.3, 0},
-                                    {0.45, 0.2, 0, 0, 0, 0.4, 0, 0.3, 0},
-                                    {0.75, 0.2, 0, 0, 0.3, 0, 0, 0, 0.4},
-                                    {0.45, 0.2, 0, 0.3, 0, 0, 0, 0, 0.4},
-                                    {0.45, 0.5, 0, 0, 0, 0.4, 0.3, 0, 0}};
+enum { REPEAT = 5 };
 
 static void must(lcor_status status, const lcor_error *err)
 {
@@ -57,13 +44,14 @@ static lcor_light lamp(double x)
 /* The paper's room with n x n patches a face, with a box, or as a furnace of reflectance rho. */
 static lcor_scene *room(size_t n, int box, double furnace)
 {
-    static const double rho[11] = {0.3, 0.8, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5};
+    static const double rho[ROOM_AND_BOX_FACES] = {0.3, 0.8, 0.5, 0.5, 0.5, 0.5,
+                                                   0.5, 0.5, 0.5, 0.5, 0.5};
     const lcor_light light = lamp(0.3);
     lcor_scene *scene = NULL;
     lcor_error err;
 
     must(lcor_scene_new(NULL, &scene, &err), &err);
-    for (int f = 0; f < (box ? 11 : FACES); f++) {
+    for (int f = 0; f < (box ? ROOM_AND_BOX_FACES : ROOM_FACES); f++) {
         lcor_surface look;
 
         memset(&look, 0, sizeof look);
@@ -71,8 +59,9 @@ static lcor_scene *room(size_t n, int box, double furnace)
             look.reflectance[c] = furnace > 0 ? furnace : rho[f];
             look.emission[c] = furnace > 0 ? 1 : 0;
         }
-        look.patches[0] = look.patches[1] = f < FACES ? n : 10;
-        must(lcor_scene_add_quad(scene, quads[f], quads[f] + 3, quads[f] + 6, &look, NULL, &err),
+        look.patches[0] = look.patches[1] = f < ROOM_FACES ? n : 10;
+        must(lcor_scene_add_quad(scene, room_quads[f], room_quads[f] + 3, room_quads[f] + 6, &look,
+                                 NULL, &err),
              &err);
     }
     if (!(furnace > 0))
@@ -86,12 +75,12 @@ static void patches(const lcor_solution *solution, size_t n, double *face, doubl
 {
     lcor_error err;
 
-    for (size_t f = 0; f < FACES; f++) {
+    for (size_t f = 0; f < ROOM_FACES; f++) {
         must(lcor_solution_patches(solution, f, LCOR_VALUE_AVERAGE, face, NULL, &err), &err);
         if (out)
             for (size_t i = 0; i < n; i++)
                 for (size_t j = 0; j < n; j++)
-                    out[(f * n + i) * n + j] = swapped[f] ? face[j * n + i] : face[i * n + j];
+                    out[(f * n + i) * n + j] = room_swapped[f] ? face[j * n + i] : face[i * n + j];
     }
 }
 
@@ -144,17 +133,17 @@ static errors compare(const char *path, const char *format, size_t n, const doub
         fprintf(stderr, "bench_radiosity: cannot open %s: run it in the source folder\n", path);
         exit(1);
     }
-    for (size_t k = 0; k < FACES * n * n; k++)
-        mean += values[k] / (double)(FACES * n * n);
+    for (size_t k = 0; k < ROOM_FACES * n * n; k++)
+        mean += values[k] / (double)(ROOM_FACES * n * n);
     while (fgets(line, sizeof line, file)) {
         double truth;
         size_t i, j, f = 0;
 
         if (sscanf(line, format, name, &i, &j, &truth) != 4)
             continue;
-        while (f < FACES && strcmp(name, names[f]) != 0)
+        while (f < ROOM_FACES && strcmp(name, room_names[f]) != 0)
             f++;
-        if (f < FACES) {
+        if (f < ROOM_FACES) {
             const double d = (values[(f * n + i) * n + j] - truth) / fmax(truth, 0.02 * mean);
 
             e.rms += d * d;
@@ -177,15 +166,15 @@ static void against_extrapolation(const lcor_scene *scene, double *values)
 {
     const run r = measure(scene, 50, 1e-4, LCOR_NORM_RMS, values);
     const errors file = compare(paper_file, paper_format, 50, values);
-    double *truth = malloc(FACES * 2500 * sizeof *truth);
+    double *truth = malloc(ROOM_FACES * 2500 * sizeof *truth);
     double out[6] = {0, 0, r.report.error_rms, file.rms, 0, 0};
 
     if (!truth || !richardson_paper_room(truth, &out[4], &out[5]))
         exit(1);
-    for (int i = 0; i < FACES * 2500; i++) {
+    for (int i = 0; i < ROOM_FACES * 2500; i++) {
         const double d = values[i] / truth[i] - 1;
 
-        out[0] += d * d / (FACES * 2500);
+        out[0] += d * d / (ROOM_FACES * 2500);
         out[1] = fmax(out[1], fabs(d));
     }
     out[0] = sqrt(out[0]);
@@ -246,7 +235,7 @@ static void growth(void)
     for (size_t n = 50; n <= 800; n *= 4) {
         lcor_scene *scene = room(n, 0, 0);
         const run r = measure(scene, n, 1e-3, LCOR_NORM_RMS, NULL);
-        const double count = (double)(FACES * n * n);
+        const double count = (double)(ROOM_FACES * n * n);
         double out[4] = {count, 1e3 * r.seconds, 1e-6 * (double)r.report.bytes, 0};
 
         if (n == 50)
@@ -261,14 +250,14 @@ static void growth(void)
 /* The paper's room, each face cut into n x n quads, or for n = 0 into two triangles. */
 static lcor_scene *room_in_pieces(int n)
 {
-    static const double rho[FACES] = {0.3, 0.8, 0.5, 0.5, 0.5, 0.5};
+    static const double rho[ROOM_FACES] = {0.3, 0.8, 0.5, 0.5, 0.5, 0.5};
     const lcor_light light = lamp(0.3);
     lcor_scene *scene = NULL;
     lcor_error err;
 
     must(lcor_scene_new(NULL, &scene, &err), &err);
-    for (int k = 0; k < FACES * n * n; k++) {
-        const double *face = quads[k / (n * n)];
+    for (int k = 0; k < ROOM_FACES * n * n; k++) {
+        const double *face = room_quads[k / (n * n)];
         double corner[3], u[3], v[3];
         lcor_surface look = {.patches = {(size_t)(48 / n), (size_t)(48 / n)}};
 
@@ -280,8 +269,8 @@ static lcor_scene *room_in_pieces(int n)
         }
         must(lcor_scene_add_quad(scene, corner, u, v, &look, NULL, &err), &err);
     }
-    for (int k = 0; k < (n == 0 ? 2 * FACES : 0); k++) {
-        const double *face = quads[k / 2];
+    for (int k = 0; k < (n == 0 ? 2 * ROOM_FACES : 0); k++) {
+        const double *face = room_quads[k / 2];
         double side[3], opposite[3];
         lcor_surface look = {.patches = {48, 48}};
 
@@ -380,7 +369,7 @@ static void furnace(double *values)
         const run r = measure(scene, 10, 1e-2, LCOR_NORM_RMS, values);
         double out[4] = {rhos[k], 0, r.report.iterations, 1e3 * r.seconds};
 
-        for (int i = 0; i < FACES * 100; i++)
+        for (int i = 0; i < ROOM_FACES * 100; i++)
             out[1] = fmax(out[1], fabs((1 + rhos[k] * values[i]) * (1 - rhos[k]) - 1));
         report_row(out, 4);
         lcor_scene_free(scene);
@@ -418,7 +407,7 @@ static void update(void)
 
 int main(int argc, char **argv)
 {
-    double *values = malloc(FACES * 2500 * sizeof *values);
+    double *values = malloc(ROOM_FACES * 2500 * sizeof *values);
 
     if (!values || !report_open("bench_radiosity", argc > 1 ? argv[1] : NULL))
         return 1;

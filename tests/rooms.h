@@ -3,13 +3,10 @@
 #ifndef LCOR_TEST_ROOMS_H
 #define LCOR_TEST_ROOMS_H
 
+#include "room_quads.h"
 #include "testing.h"
 
 #include <lcor/radiosity.h>
-
-enum { ROOM_FACES = 6 };
-
-static const char *const room_names[ROOM_FACES] = {"floor", "ceiling", "x0", "x1", "y0", "y1"};
 
 static inline void must(lcor_status status, const lcor_error *err)
 {
@@ -17,17 +14,10 @@ static inline void must(lcor_status status, const lcor_error *err)
         fail_msg("%s: %s", lcor_status_name(status), err->text);
 }
 
-/* The six faces of a cube of the given edge, facing inward, in the order of room_names. Patch (i,
- * j) of the references is patch (j, i) here where room_swapped says so. */
-static const int room_swapped[ROOM_FACES] = {0, 1, 0, 1, 1, 0};
-
+/* The six faces of a cube of the given edge, facing inward, in the order of room_names. */
 static inline void add_room(lcor_scene *scene, double edge, const double rho[ROOM_FACES],
                             double emission, size_t patches)
 {
-    static const double faces[ROOM_FACES][9] = {
-        {0, 0, 0, 1, 0, 0, 0, 1, 0}, {0, 0, 1, 0, 1, 0, 1, 0, 0}, {0, 0, 0, 0, 1, 0, 0, 0, 1},
-        {1, 0, 0, 0, 0, 1, 0, 1, 0}, {0, 0, 0, 0, 0, 1, 1, 0, 0}, {0, 1, 0, 1, 0, 0, 0, 0, 1}};
-
     for (int f = 0; f < ROOM_FACES; f++) {
         lcor_surface look;
         lcor_error err;
@@ -40,7 +30,7 @@ static inline void add_room(lcor_scene *scene, double edge, const double rho[ROO
         }
         look.patches[0] = look.patches[1] = patches;
         for (int k = 0; k < 9; k++)
-            corner[k] = edge * faces[f][k];
+            corner[k] = edge * room_quads[f][k];
         must(lcor_scene_add_quad(scene, corner, corner + 3, corner + 6, &look, NULL, &err), &err);
     }
 }

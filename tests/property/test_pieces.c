@@ -53,23 +53,12 @@ static void add_pieces(lcor_scene *scene, const double face[9], double rho, cut 
 /* The paper's room, not yet committed; with a box, five faces in the same pieces. */
 static lcor_scene *room_in(cut kind, int box)
 {
-    static const double faces[11][9] = {{0, 0, 0, 1, 0, 0, 0, 1, 0},
-                                        {0, 0, 1, 0, 1, 0, 1, 0, 0},
-                                        {0, 0, 0, 0, 1, 0, 0, 0, 1},
-                                        {1, 0, 0, 0, 0, 1, 0, 1, 0},
-                                        {0, 0, 0, 0, 0, 1, 1, 0, 0},
-                                        {0, 1, 0, 1, 0, 0, 0, 0, 1},
-                                        {0.45, 0.2, 0.4, 0.3, 0, 0, 0, 0.3, 0},
-                                        {0.45, 0.2, 0, 0, 0, 0.4, 0, 0.3, 0},
-                                        {0.75, 0.2, 0, 0, 0.3, 0, 0, 0, 0.4},
-                                        {0.45, 0.2, 0, 0.3, 0, 0, 0, 0, 0.4},
-                                        {0.45, 0.5, 0, 0, 0, 0.4, 0.3, 0, 0}};
     lcor_scene *scene = NULL;
     lcor_error err;
 
     must(lcor_scene_new(NULL, &scene, &err), &err);
-    for (int f = 0; f < (box ? 11 : ROOM_FACES); f++)
-        add_pieces(scene, faces[f], f < ROOM_FACES ? paper_rho[f] : 0.5, kind);
+    for (int f = 0; f < (box ? ROOM_AND_BOX_FACES : ROOM_FACES); f++)
+        add_pieces(scene, room_quads[f], f < ROOM_FACES ? paper_rho[f] : 0.5, kind);
     add_lamp(scene, 0.3, 0.4, 0.7, 1);
     return scene;
 }
