@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "render.h"
-#include "sha256.h"
 #include "stream.h"
 
 #include <algorithm>
 #include <mutex>
+#include <sha2.h>
 
 namespace cli
 {
@@ -12,9 +12,17 @@ namespace cli
 namespace
 {
 
-constexpr uint64_t input_limit = uint64_t(1) << 32;
 /* Rows developed before they are written: bounded memory, and work for all threads. */
 constexpr size_t write_rows = 256;
+
+/* What sha256sum prints for the file. */
+std::string sha256(const std::string &path)
+{
+    char digits[SHA256_DIGEST_STRING_LENGTH];
+    if (SHA256File(path.c_str(), digits) == nullptr)
+        fail(Exit::input, "'%s' can no longer be read: it was there when lcor began", path.c_str());
+    return digits;
+}
 
 } // namespace
 
@@ -49,7 +57,7 @@ Json Provenance::json() const
 {
     Json document = {{"software", std::string("lcor ") + lcor_version()}, {"command", command}};
     for (const std::string &path : inputs)
-        document["inputs"][path] = "sha256:" + sha256(read_file(path, input_limit));
+        document["inputs"][path] = "sha256:" + sha256(path);
     document.update(details);
     return document;
 }
