@@ -200,6 +200,8 @@ void lcor_internal_store_pixels(const lcor_row_job *job, size_t at, size_t m, lc
             scatter(p->out_type, as_samples(p, b->c[k], codes), m, to, l.pixel_step);
     } else if (p->out_type == LCOR_F32) {
         p->kernel->interleave(b, (float *)(void *)to);
+    } else if (p->out_type == LCOR_U8) {
+        p->kernel->interleave_bytes(b, (uint8_t *)to);
     } else {
         p->kernel->interleave(b, pixels);
         p->kernel->narrow(p->out_type, 3, pixels, to);

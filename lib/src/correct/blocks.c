@@ -48,8 +48,8 @@ static int light(const lcor_row_job *job, size_t at, size_t m, size_t *bad, lcor
     if (are_pixels && p->in_type == LCOR_F32)
         return p->kernel->lightness(&p->k, (const float *)job->texels + 3 * at, b);
     if (are_pixels && p->in_type == LCOR_U8) {
-        p->kernel->split_bytes((const uint8_t *)job->texels + 3 * at, b);
-        return p->kernel->lightness_of_planes(&p->k, b);
+        p->kernel->lightness_of_bytes(&p->k, (const uint8_t *)job->texels + 3 * at, b);
+        return 0;
     }
     if (are_pixels) {
         p->kernel->widen(LCOR_U16, 3, (const uint16_t *)job->texels + 3 * at, b->g[0]);

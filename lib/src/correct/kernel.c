@@ -22,6 +22,16 @@
 #define EACH(j, n) for (size_t j = 0; (j) < (size_t)(n); (j)++)
 #endif
 
+/* A loop that only moves pixels, where counting would cost as much. */
+#if defined(__clang__)
+#define MOVE_EACH(j, n)                                                                            \
+    _Pragma("clang loop unroll_count(4)") for (size_t j = 0; (j) < (size_t)(n); (j)++)
+#elif defined(__GNUC__)
+#define MOVE_EACH(j, n) _Pragma("GCC unroll 4") for (size_t j = 0; (j) < (size_t)(n); (j)++)
+#else
+#define MOVE_EACH(j, n) EACH (j, n)
+#endif
+
 /* What numbers are kept above or below. */
 typedef struct limits {
     float zero, one, tiny, huge;
@@ -43,9 +53,9 @@ typedef struct limits {
                                              maps_##few,                                           \
                                              transfer_##set,                                       \
                                              to_srgb_##few,                                        \
-                                             split_bytes_##few,                                    \
                                              lightness_##set,                                      \
                                              lightness_of_planes_##few,                            \
+                                             lightness_of_bytes_##few,                             \
                                              lightness_of_f_##few,                                 \
                                              count_##few,                                          \
                                              g_##set,                                              \
@@ -53,6 +63,7 @@ typedef struct limits {
                                              find_outside_##few,                                   \
                                              clamp_planes_##few,                                   \
                                              interleave_##few,                                     \
+                                             interleave_bytes_##few,                               \
                                              widen_##few,                                          \
                                              narrow_##few,                                         \
                                              lanes_to_f_##few,                                     \

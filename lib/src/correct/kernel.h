@@ -74,10 +74,10 @@ typedef struct lcor_kernel {
     int (*maps)(const lcor_plan *plan, const float *illuminance, const float *rho, lcor_block *b);
     int (*transfer)(const lcor_power *p, float *c);
     void (*to_srgb)(float *c); /* linear values as sRGB stores them, clamped */
-    void (*split_bytes)(const uint8_t *rgb, lcor_block *b); /* into b->c */
     /* X Y Z and Ynew from pixels of three samples; from RGB in b->c; or what a texture leaves */
     int (*lightness)(const lcor_kernel_constants *k, const float *rgb, lcor_block *b);
     int (*lightness_of_planes)(const lcor_kernel_constants *k, lcor_block *b);
+    void (*lightness_of_bytes)(const lcor_kernel_constants *k, const uint8_t *rgb, lcor_block *b);
     int (*lightness_of_f)(const lcor_kernel_constants *k, const float *f, size_t plane,
                           lcor_block *b);
     void (*count)(const lcor_kernel_constants *k, const lcor_block *b, lcor_row_stats *stats);
@@ -86,6 +86,7 @@ typedef struct lcor_kernel {
     void (*find_outside)(const lcor_block *b, int32_t *outside); /* not 0 for those */
     void (*clamp_planes)(float *c);                              /* three, to 0..1 */
     void (*interleave)(lcor_block *b, float *to);                /* clamped, too */
+    void (*interleave_bytes)(const lcor_block *b, uint8_t *to);  /* and as codes */
     /* u8 or u16 to floats, and back from 0..1 */
     void (*widen)(lcor_sample type, size_t blocks, const void *from, float *to);
     void (*narrow)(lcor_sample type, size_t blocks, const float *from, void *to);

@@ -41,24 +41,40 @@ STAGE int ISA(maps)(const lcor_plan *p, const float *restrict i, const float *re
     return ISA(is_suspect)(worst);
 }
 
-/* Pixels of three bytes into planes. */
-STAGE void ISA(split_bytes)(const uint8_t *restrict rgb, lcor_block *restrict b)
+/* Pixels of three bytes, each moved at once with the byte after it, to words and back. Words split
+ * into planes by shifts, where three bytes take a processor without byte shuffles many steps. */
+INNER unsigned ISA(shift_of_byte)(int i)
 {
-#if POOR
-    float LCOR_ALIGNED pixels[3 * LCOR_BLOCK];
+    const uint32_t word = 0x00010203;
+    uint8_t first;
 
-    EACH (j, 3 * LCOR_BLOCK)
-        pixels[j] = (float)rgb[j];
-    EACH (j, LCOR_BLOCK)
-        for (size_t i = 0; i < 3; i++)
-            b->c[i][j] = pixels[3 * j + i];
-#else
+    memcpy(&first, &word, 1);
+    return 8u * (unsigned)(first == 0 ? 3 - i : i); /* the highest byte is first, or last */
+}
+
+STAGE void ISA(bytes_to_words)(const uint8_t *restrict rgb, uint32_t *restrict words)
+{
+    MOVE_EACH (j, LCOR_BLOCK - 1)
+        memcpy(&words[j], rgb + 3 * j, 4);
+    memcpy(&words[LCOR_BLOCK - 1], rgb + 3 * (LCOR_BLOCK - 1), 3);
+}
+
+/* lightness of codes, which cannot be bad. */
+STAGE void ISA(lightness_of_bytes)(const lcor_kernel_constants *k, const uint8_t *restrict rgb,
+                                   lcor_block *restrict b)
+{
+    const lcor_kernel_constants q = *k;
+    const float zero = ISA(limits).zero, one = ISA(limits).one;
+    uint32_t LCOR_ALIGNED words[LCOR_BLOCK];
+
+    ISA(bytes_to_words)(rgb, words);
     EACH (j, LCOR_BLOCK) {
-        b->c[0][j] = (float)rgb[3 * j];
-        b->c[1][j] = (float)rgb[3 * j + 1];
-        b->c[2][j] = (float)rgb[3 * j + 2];
+        float c[3];
+
+        for (int i = 0; i < 3; i++)
+            c[i] = (float)(int32_t)(words[j] >> ISA(shift_of_byte)(i) & 255);
+        ISA(light)(&q, zero, one, c[0], c[1], c[2], j, b);
     }
-#endif
 }
 
 /* lightness of RGB that lies in the planes b->c. */
@@ -163,6 +179,25 @@ STAGE void ISA(interleave)(lcor_block *restrict b, float *restrict to)
         to[3 * j + 2] = ISA(clamp)(b->c[2][j], zero, one);
     }
 #endif
+}
+
+/* RGB clamped to 0..1, as pixels of three bytes. */
+STAGE void ISA(interleave_bytes)(const lcor_block *restrict b, uint8_t *restrict to)
+{
+    const float zero = ISA(limits).zero, one = ISA(limits).one;
+    uint32_t LCOR_ALIGNED words[LCOR_BLOCK];
+
+    EACH (j, LCOR_BLOCK) {
+        uint32_t word = 0;
+
+        for (int i = 0; i < 3; i++)
+            word |= (uint32_t)(int32_t)(ISA(clamp)(b->c[i][j], zero, one) * 255.0f + 0.5f)
+                    << ISA(shift_of_byte)(i);
+        words[j] = word;
+    }
+    MOVE_EACH (j, LCOR_BLOCK - 1)
+        memcpy(to + 3 * j, &words[j], 4);
+    memcpy(to + 3 * (LCOR_BLOCK - 1), &words[LCOR_BLOCK - 1], 3);
 }
 
 /* Above the knee 1.055 x^(1/2.4) - 0.055, a polynomial in 1 - x^(1/4) within 3e-7; white is 1
