@@ -127,17 +127,17 @@ static inline lcor_solution *solve(const lcor_scene *scene, double tolerance, lc
 static inline void room_patches(const lcor_solution *solution, size_t n, lcor_value value,
                                 double *total)
 {
-    double *face = malloc(n * n * sizeof *face);
+    double *own = malloc(n * n * sizeof *own);
     lcor_error err;
 
-    assert_non_null(face);
+    assert_non_null(own);
     for (size_t f = 0; f < ROOM_FACES; f++) {
-        must(lcor_solution_patches(solution, f, value, face, NULL, &err), &err);
+        must(lcor_solution_patches(solution, f, value, own, NULL, &err), &err);
         for (size_t i = 0; i < n; i++)
             for (size_t j = 0; j < n; j++)
-                total[(f * n + i) * n + j] = room_swapped[f] ? face[j * n + i] : face[i * n + j];
+                total[(f * n + i) * n + j] = room_swapped[f] ? own[j * n + i] : own[i * n + j];
     }
-    free(face);
+    free(own);
 }
 
 static inline int room_face_number(const char *name)

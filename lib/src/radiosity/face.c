@@ -228,14 +228,15 @@ static int add_face(const lcor_allocator *allocator, lcor_array *faces, const sc
     return 1;
 }
 
-/* A piece of a quad that is a rectangle of its (s, t) becomes a face in the same directions. */
+/* A parallelogram out of a quad, if it is a rectangle of its (s, t), becomes a face in the same
+ * directions. */
 static int add_aligned(const lcor_allocator *allocator, lcor_array *faces, const scene_surface *q,
                        uint32_t surface, const piece *p, int *done)
 {
     double s[4], t[4], s0 = 1, s1 = 0, t0 = 1, t1 = 0, o[3], b[3], c[3];
 
     *done = 0;
-    if (q->shape != SCENE_QUAD || p->n != 4)
+    if (q->shape != SCENE_QUAD)
         return 1;
     for (size_t i = 0; i < 4; i++) {
         lcor_scene_coordinates(q, p->p[i], &s[i], &t[i]);
@@ -271,6 +272,7 @@ int face_in_quad(const face *f, const scene_surface *quad, cell *out)
            fabs(tu - out->t0) <= snap * out->ht;
 }
 
+/* A triangle with a corner counted twice is none. */
 static int is_parallelogram(const piece *q, double touch)
 {
     double d[3];
@@ -287,12 +289,11 @@ static int add_piece(const lcor_allocator *allocator, lcor_array *faces, const s
 {
     int done = 0;
 
-    if (!back && !add_aligned(allocator, faces, s, surface, q, &done))
-        return 0;
-    if (done)
-        return 1;
-    if (is_parallelogram(q, touch))
-        return add_face(allocator, faces, s, surface, back, q->p[0], q->p[1], q->p[3], 0);
+    if (is_parallelogram(q, touch)) {
+        if (!back && !add_aligned(allocator, faces, s, surface, q, &done))
+            return 0;
+        return done || add_face(allocator, faces, s, surface, back, q->p[0], q->p[1], q->p[3], 0);
+    }
     for (size_t i = 1; i + 1 < q->n; i++)
         if (!add_face(allocator, faces, s, surface, back, q->p[0], q->p[i], q->p[i + 1], 1))
             return 0;
