@@ -51,7 +51,7 @@ double lcor_internal_log2_parts(double x, int *exponent)
 
 double lcor_internal_exp2(double x)
 {
-    double n, y, p;
+    double n, y, y2, y4, p;
 
     if (!(x < 1025.0)) /* also NaN */
         return x * HUGE_VAL;
@@ -59,9 +59,13 @@ double lcor_internal_exp2(double x)
         return 0.0;
     n = floor(x + 0.5);
     y = (x - n) * 0.69314718055994531; /* |y| < 0.347 */
-    p = 1.0;
-    for (int k = 13; k >= 1; k--)
-        p = 1.0 + p * y / k;
+    /* 1 + y (1 + y/2! + ... + y^12/13!) in pairs, which do not wait for each other */
+    y2 = y * y;
+    y4 = y2 * y2;
+    p = (1.0 / 362880 + y * (1.0 / 3628800)) + y2 * (1.0 / 39916800 + y * (1.0 / 479001600));
+    p = ((1.0 / 120 + y * (1.0 / 720)) + y2 * (1.0 / 5040 + y * (1.0 / 40320))) +
+        y4 * (p + y4 * (1.0 / 6227020800.0));
+    p = 1.0 + y * (((1.0 + y * (1.0 / 2)) + y2 * (1.0 / 6 + y * (1.0 / 24))) + y4 * p);
     /* two steps, so that results of -1022 and less, or 1024, round and overflow as they should */
     p *= lcor_internal_from_bits((uint64_t)(1023 + (int)n / 2) << 52);
     return p * lcor_internal_from_bits((uint64_t)(1023 + (int)n - (int)n / 2) << 52);
