@@ -165,9 +165,10 @@ static bool empty_to_spool(void *user, pipeline_band *band)
 
 static bool empty_to_raster(void *user, pipeline_band *band)
 {
-    page *p = user;
-    const unsigned size = (unsigned)(band->rows * p->format->row_bytes);
-    if (cupsRasterWritePixels(p->writer->raster, band->pixels, size) == size)
+    const page *p = user;
+    const bool packs = p->writer->packs;
+    if (raster_write(p->writer, packs ? band->packed : band->pixels,
+                     packs ? band->packed_size : band->rows * p->format->row_bytes))
         return true;
     filter_say("ERROR", "page %u: the output cannot be written: %s", p->number, strerror(errno));
     return false;
@@ -208,6 +209,17 @@ static bool work_measure(void *user, size_t worker, pipeline_band *band)
     return measure_rows(p, &p->hands[worker], band);
 }
 
+/* All that is left to do with corrected rows, and with those that only pass. */
+static bool work_pack(void *user, size_t worker, pipeline_band *band)
+{
+    const page *p = user;
+    (void)worker;
+    if (p->writer->packs)
+        band->packed_size =
+            raster_pack(p->writer, p->format, band->rows, band->pixels, band->packed);
+    return true;
+}
+
 static bool work_correct(void *user, size_t worker, pipeline_band *band)
 {
     page *p = user;
@@ -228,13 +240,7 @@ static bool work_correct(void *user, size_t worker, pipeline_band *band)
         if (texels != row)
             gather_grey(format, texels, row);
     }
-    return true;
-}
-
-static bool work_nothing(void *user, size_t worker, pipeline_band *band)
-{
-    (void)user, (void)worker, (void)band;
-    return true;
+    return work_pack(p, worker, band);
 }
 
 /* ---- the page ---- */
@@ -243,8 +249,16 @@ static bool run(page *p, bool (*fill)(void *, pipeline_band *),
                 bool (*work)(void *, size_t, pipeline_band *),
                 bool (*empty)(void *, pipeline_band *))
 {
-    const pipeline line = {
-        p->format->height, p->format->row_bytes, p->workers, fill, work, empty, p};
+    const bool goes_out = empty == empty_to_raster;
+    const pipeline line = {.height = p->format->height,
+                           .row_bytes = p->format->row_bytes,
+                           .packed_row_bytes =
+                               goes_out ? raster_packed_max(p->writer, p->format) : 0,
+                           .workers = p->workers,
+                           .fill = fill,
+                           .work = work,
+                           .empty = empty,
+                           .user = p};
     bool no_memory;
     const bool good = pipeline_run(&line, &no_memory);
     if (no_memory)
@@ -421,7 +435,7 @@ bool page_correct(const filter_job *job, unsigned number, const raster_format *f
         return false;
     if (changes_nothing(job)) {
         filter_say("DEBUG", "page %u: the light is even, which changes nothing", number);
-        const bool copied = run(p, fill_from_raster, work_nothing, empty_to_raster);
+        const bool copied = run(p, fill_from_raster, work_pack, empty_to_raster);
         close_page(p);
         return copied;
     }
@@ -446,15 +460,13 @@ bool page_correct(const filter_job *job, unsigned number, const raster_format *f
     return good;
 }
 
-bool page_copy(const filter_job *job, unsigned number, const cups_page_header2_t *header,
+bool page_copy(const filter_job *job, unsigned number, const raster_format *format,
                raster_reader *reader, raster_writer *writer)
 {
-    const raster_format format = {.height = header->cupsHeight,
-                                  .row_bytes = header->cupsBytesPerLine};
-    page *p = open_page(job, number, &format, reader, writer);
+    page *p = open_page(job, number, format, reader, writer);
     if (!p)
         return false;
-    const bool good = run(p, fill_from_raster, work_nothing, empty_to_raster);
+    const bool good = run(p, fill_from_raster, work_pack, empty_to_raster);
     close_page(p);
     return good;
 }

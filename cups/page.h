@@ -11,7 +11,7 @@
 bool page_correct(const filter_job *job, unsigned number, const raster_format *format,
                   raster_reader *reader, raster_writer *writer);
 /* The same bytes out as in. */
-bool page_copy(const filter_job *job, unsigned number, const cups_page_header2_t *header,
+bool page_copy(const filter_job *job, unsigned number, const raster_format *format,
                raster_reader *reader, raster_writer *writer);
 
 #endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "pipeline.h"
 
+#include "pack.h"
+
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -152,8 +154,9 @@ bool pipeline_run(const pipeline *p, bool *no_memory)
     *no_memory = false;
     for (size_t i = 0; i < b.slots; i++) {
         b.bands[i].slot = i;
-        b.bands[i].pixels = malloc(b.band_rows * p->row_bytes);
-        if (!b.bands[i].pixels)
+        b.bands[i].pixels = malloc(b.band_rows * p->row_bytes + PACK_SLACK);
+        b.bands[i].packed = malloc(b.band_rows * p->packed_row_bytes + PACK_SLACK);
+        if (!b.bands[i].pixels || !b.bands[i].packed)
             *no_memory = true;
     }
     if (!*no_memory && b.band_count == 1) { /* not worth a thread */
@@ -166,6 +169,6 @@ bool pipeline_run(const pipeline *p, bool *no_memory)
         pthread_mutex_destroy(&b.lock);
     }
     for (size_t i = 0; i < b.slots; i++)
-        free(b.bands[i].pixels);
+        free(b.bands[i].pixels), free(b.bands[i].packed);
     return good;
 }

@@ -11,12 +11,15 @@
 typedef struct pipeline_band {
     size_t first, rows; /* rows of the page it holds */
     unsigned char *pixels;
+    unsigned char *packed; /* the rows as they go out, if they are packed */
+    size_t packed_size;
     size_t slot; /* 0..PIPELINE_SLOTS_MAX-1: which of the bands in memory it is */
 } pipeline_band;
 
 typedef struct pipeline {
     size_t height, row_bytes;
-    size_t workers; /* what pipeline_workers says */
+    size_t packed_row_bytes; /* room in `packed` for a row */
+    size_t workers;          /* what pipeline_workers says */
     /* False ends everything, as soon as the bands before it have gone through. */
     bool (*fill)(void *user, pipeline_band *band);
     bool (*work)(void *user, size_t worker, pipeline_band *band);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "raster.h"
 
+#include "pack.h"
+
 #include <arpa/inet.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -68,6 +70,7 @@ const char *raster_check(const cups_page_header2_t *header, lcor_lightness light
     format->height = header->cupsHeight;
     format->row_bytes = format->width * format->samples * (bits / 8);
     format->type = bits == 8 ? LCOR_U8 : LCOR_U16;
+    format->unit_bytes = bits / 8 * (banded ? 1 : format->samples);
     format->layout.pixel_step = banded && format->samples == 3 ? 1 : 3;
     format->layout.channel_step = banded && format->samples == 3 ? format->width : 1;
     /* libcups counts the bits of one band's pixel in banded order; some writers count all bands. */
@@ -161,6 +164,7 @@ bool raster_writer_open(raster_writer *writer, const raster_reader *reader,
     if (memcmp(reader->sync, "RaS2", 4) == 0 && strcmp(first->MediaClass, "PwgRaster") == 0)
         mode = CUPS_RASTER_WRITE_PWG;
     memset(writer, 0, sizeof *writer);
+    writer->packs = mode != CUPS_RASTER_WRITE;
     writer->pwg = mode == CUPS_RASTER_WRITE_PWG;
     writer->write = write;
     writer->context = context;
@@ -184,4 +188,37 @@ bool raster_write_header(raster_writer *writer, cups_page_header2_t *header)
         writer->replace = true;
     }
     return cupsRasterWriteHeader2(writer->raster, header) != 0;
+}
+
+size_t raster_packed_max(const raster_writer *writer, const raster_format *format)
+{
+    return writer->packs ? pack_row_max(format->row_bytes / format->unit_bytes, format->unit_bytes)
+                         : 0;
+}
+
+size_t raster_pack(const raster_writer *writer, const raster_format *format, size_t rows,
+                   unsigned char *pixels, unsigned char *to)
+{
+    const size_t size = rows * format->row_bytes;
+    if (writer->pwg && format->type == LCOR_U16) { /* big-endian */
+        for (size_t i = 0; i < size; i += sizeof(uint16_t)) {
+            uint16_t sample;
+            memcpy(&sample, pixels + i, sizeof sample);
+            sample = htons(sample);
+            memcpy(pixels + i, &sample, sizeof sample);
+        }
+    }
+    return pack_rows(pixels, rows, format->row_bytes / format->unit_bytes, format->unit_bytes, to);
+}
+
+bool raster_write(const raster_writer *writer, unsigned char *bytes, size_t size)
+{
+    while (size > 0) {
+        const ssize_t put = writer->write(writer->context, bytes, size);
+        if (put <= 0)
+            return false;
+        bytes += put;
+        size -= (size_t)put;
+    }
+    return true;
 }

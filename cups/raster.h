@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* CUPS and PWG raster streams: which pages can be corrected, and a way through libcups that keeps
- * headers whole. */
+/* CUPS and PWG raster streams: which pages can be corrected, a way through libcups that keeps
+ * headers whole, and rows on their way out. */
 #ifndef RASTERTOLCOR_RASTER_H
 #define RASTERTOLCOR_RASTER_H
 
@@ -15,6 +15,7 @@ typedef struct raster_format {
     size_t width, height;
     size_t row_bytes;
     size_t samples;     /* a pixel: 1 (grey) or 3 */
+    size_t unit_bytes;  /* what compression repeats: a pixel, or in banded order a sample */
     bool inverted;      /* K: 0 is white */
     lcor_sample type;   /* LCOR_U8 or LCOR_U16 */
     lcor_layout layout; /* of a row of three samples; grey rows are spread to RGB first */
@@ -45,6 +46,7 @@ typedef struct raster_writer {
     cups_raster_t *raster;
     cups_raster_iocb_t write;
     void *context;
+    bool packs; /* the stream is compressed */
     bool pwg;
     bool replace;               /* the next write is a PWG header: `header` goes out instead */
     cups_page_header2_t header; /* in the big-endian order of PWG raster */
@@ -58,5 +60,12 @@ bool raster_read_header(raster_reader *reader, cups_page_header2_t *header, bool
 bool raster_writer_open(raster_writer *writer, const raster_reader *reader,
                         const cups_page_header2_t *first, cups_raster_iocb_t write, void *context);
 bool raster_write_header(raster_writer *writer, cups_page_header2_t *header);
+/* The most bytes of a packed row; 0 if the stream is not compressed. */
+size_t raster_packed_max(const raster_writer *writer, const raster_format *format);
+/* Rows of a compressed stream, packed into `to`; changes `pixels`. Any thread may do it. */
+size_t raster_pack(const raster_writer *writer, const raster_format *format, size_t rows,
+                   unsigned char *pixels, unsigned char *to);
+/* Rows in order, packed if the stream is compressed. */
+bool raster_write(const raster_writer *writer, unsigned char *bytes, size_t size);
 
 #endif

@@ -32,7 +32,7 @@ static bool one_page(const filter_job *job, unsigned number, cups_page_header2_t
         return false;
     }
     if (!correct)
-        return page_copy(job, number, header, reader, writer);
+        return page_copy(job, number, &format, reader, writer);
     return page_correct(job, number, &format, reader, writer);
 }
 

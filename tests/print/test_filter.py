@@ -128,6 +128,33 @@ def test_every_kind_of_stream_carries_the_same_picture(correct, kind, dtype):
     assert not np.array_equal(raster.read(result.out)[0].pixels, pixels)
 
 
+def patterns(dtype, colours):
+    """Runs and stretches about the lengths where their codes end, in rows that come up to 300 times."""
+    lengths = [1, 1, 2, 1, 3, 127, 1, 128, 2, 129, 1, 1, 130, 256, 257, 1]
+    repeats = np.repeat(np.arange(len(lengths)), lengths) % 2 * 200
+    stretches = np.arange(repeats.size) % 251
+    mixed = np.where(np.repeat(np.arange(len(lengths)), lengths) % 3 == 0, stretches, repeats)
+    rows = np.stack([repeats, stretches, mixed, mixed[::-1], np.zeros_like(mixed)])
+    page = rows[np.repeat([0, 1, 2, 3, 2, 4, 0], [1, 2, 3, 1, 255, 300, 257])]
+    channels = page[..., None] + np.arange(colours) * 3
+    return channels.astype(dtype) * (1 if dtype == np.uint8 else 259)
+
+
+@pytest.mark.parametrize("kind", ["v2", "pwg"])
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+@pytest.mark.parametrize(
+    ("space", "order"), [(SRGB, raster.CHUNKED), (SRGB, BANDED), (K, raster.CHUNKED)]
+)
+def test_packed_rows_are_read_back_as_they_were(correct, kind, dtype, space, order):
+    pixels = patterns(dtype, 3 if space == SRGB else 1)
+    once = correct(raster.write([Page(pixels, space, order)], kind), "lcor-correction=off")
+    assert once.code == 0, once.log
+    assert np.array_equal(raster.read(once.out)[0].pixels, pixels)
+    assert len(once.out) < pixels.nbytes / 20
+    # libcups reads the same from it
+    assert correct(once.out, "lcor-correction=off").out == once.out
+
+
 def test_pwg_headers_go_through_whole(correct):
     page = Page(picture(), words={"PrintQuality": 5, "ImageBoxLeft": 77, "NumCopies": 3})
     (out,) = raster.read(correct(raster.write([page], "pwg")).out)
