@@ -5,9 +5,10 @@
  *
  * PATH: one row of the table below only, for example "f32 clip".
  *
- * Each time is the best of several runs; the loop it is compared with, which only reads and writes
- * as many bytes as a float row does, runs between them. Errors are against the double reference on
- * the first 10^6 pixels. Two pixels in a hundred leave the gamut. */
+ * Each time is the best of several rounds, in which all kernels and paths take turns, and with them
+ * the loop they are compared with, which only reads and writes as many bytes as a float row does: a
+ * slow spell of the machine meets all of them. Errors are against the double reference on the first
+ * 10^6 pixels. Two pixels in a hundred leave the gamut. */
 #include "correct/internal.h"
 
 #include <lcor/lcor.h>
@@ -18,7 +19,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { ROW = 4096, RUNS = 5, CHECKED = 1000000 };
+enum { ROW = 4096, ROUNDS = 9, CHECKED = 1000000, KERNELS_MAX = 3 };
 
 typedef struct pictures {
     size_t n;
@@ -36,15 +37,17 @@ typedef struct path {
     int texture;
 } path;
 
-static const path PATHS[] = {
-    {"f32 clip", LCOR_F32, LCOR_GAMUT_CLIP, LCOR_TRANSFER_LINEAR, 0},
-    {"f32 keep-hue", LCOR_F32, LCOR_GAMUT_KEEP_HUE, LCOR_TRANSFER_LINEAR, 0},
-    {"f32 texture planes clip", LCOR_F32, LCOR_GAMUT_CLIP, LCOR_TRANSFER_LINEAR, 1},
-    {"u8 clip", LCOR_U8, LCOR_GAMUT_CLIP, LCOR_TRANSFER_LINEAR, 0},
-    {"u8 keep-hue", LCOR_U8, LCOR_GAMUT_KEEP_HUE, LCOR_TRANSFER_LINEAR, 0},
-    {"u16 keep-hue", LCOR_U16, LCOR_GAMUT_KEEP_HUE, LCOR_TRANSFER_LINEAR, 0},
-    {"u8 sRGB keep-hue", LCOR_U8, LCOR_GAMUT_KEEP_HUE, LCOR_TRANSFER_SRGB, 0},
-    {"f32 sRGB keep-hue", LCOR_F32, LCOR_GAMUT_KEEP_HUE, LCOR_TRANSFER_SRGB, 0},
+enum { F32_CLIP, F32_KEEP_HUE, F32_TEXTURE, U8_CLIP, U8_KEEP_HUE, U16, U8_SRGB, F32_SRGB, PATHS };
+
+static const path paths[PATHS] = {
+    [F32_CLIP] = {"f32 clip", LCOR_F32, LCOR_GAMUT_CLIP, LCOR_TRANSFER_LINEAR, 0},
+    [F32_KEEP_HUE] = {"f32 keep-hue", LCOR_F32, LCOR_GAMUT_KEEP_HUE, LCOR_TRANSFER_LINEAR, 0},
+    [F32_TEXTURE] = {"f32 texture planes clip", LCOR_F32, LCOR_GAMUT_CLIP, LCOR_TRANSFER_LINEAR, 1},
+    [U8_CLIP] = {"u8 clip", LCOR_U8, LCOR_GAMUT_CLIP, LCOR_TRANSFER_LINEAR, 0},
+    [U8_KEEP_HUE] = {"u8 keep-hue", LCOR_U8, LCOR_GAMUT_KEEP_HUE, LCOR_TRANSFER_LINEAR, 0},
+    [U16] = {"u16 keep-hue", LCOR_U16, LCOR_GAMUT_KEEP_HUE, LCOR_TRANSFER_LINEAR, 0},
+    [U8_SRGB] = {"u8 sRGB keep-hue", LCOR_U8, LCOR_GAMUT_KEEP_HUE, LCOR_TRANSFER_SRGB, 0},
+    [F32_SRGB] = {"f32 sRGB keep-hue", LCOR_F32, LCOR_GAMUT_KEEP_HUE, LCOR_TRANSFER_SRGB, 0},
 };
 
 static double now(void)
@@ -134,12 +137,12 @@ static const void *texels_of(const pictures *p, lcor_sample type, size_t pixel)
                             : (const void *)(p->rgb + 3 * pixel);
 }
 
-static void run(const pictures *p, const path *what, const lcor_plan *plan)
+static void run(const pictures *p, size_t pixels, const path *what, const lcor_plan *plan)
 {
     const size_t size = what->type == LCOR_U8 ? 1 : what->type == LCOR_U16 ? 2 : 4;
 
-    for (size_t at = 0; at < p->n; at += ROW) {
-        const size_t n = p->n - at < ROW ? p->n - at : ROW;
+    for (size_t at = 0; at < pixels; at += ROW) {
+        const size_t n = pixels - at < ROW ? pixels - at : ROW;
         void *out = (char *)p->out + 3 * at * size;
 
         if (what->texture)
@@ -171,7 +174,7 @@ BEST static void only_move(const float *restrict rgb, const float *restrict ligh
 /* Percent of the pixels that leave the gamut. */
 static double outside(const pictures *p)
 {
-    lcor_plan *plan = make_plan(&PATHS[1], LCOR_F32);
+    lcor_plan *plan = make_plan(&paths[F32_KEEP_HUE], LCOR_F32);
     lcor_row_stats stats;
 
     memset(&stats, 0, sizeof stats);
@@ -181,9 +184,18 @@ static double outside(const pictures *p)
 }
 
 typedef struct result {
-    double ns, bound_ns, rgb, e_max, e_mean, off; /* off: part of codes that differ by one */
+    double ns, rgb, e_max, e_mean, off; /* off: part of codes that differ by one */
     int worst_code;
 } result;
+
+/* Of one run of this program. */
+typedef struct results {
+    const lcor_kernel *kernels[KERNELS_MAX];
+    size_t kernel_count;
+    int chosen[PATHS]; /* not 0: measure it */
+    result of[PATHS][KERNELS_MAX];
+    double bound_ns;
+} results;
 
 static double delta_e(const lcor_colour *c, const double *a, const double *b)
 {
@@ -228,7 +240,7 @@ static void measure_errors(const pictures *p, const path *what, result *r)
     r->off /= 3.0 * (double)n;
 }
 
-/* Seconds of the double reference on the checked pixels. */
+/* Nanoseconds a pixel of the double reference on the checked pixels. */
 static double make_exact(const pictures *p, const path *what)
 {
     const size_t n = p->n < CHECKED ? p->n : CHECKED;
@@ -243,40 +255,59 @@ static double make_exact(const pictures *p, const path *what)
     lcor_correct_row(plan, 0, n, p->exact, p->light, NULL, p->exact, NULL);
     start = now() - start;
     lcor_plan_free(plan);
-    return start;
+    return start / (double)n * 1e9;
 }
 
-static result measure(const pictures *p, const path *what, const lcor_kernel *kernel)
+static void make_texture(const pictures *p)
+{
+    lcor_plan *plan = make_plan(&paths[F32_TEXTURE], LCOR_F32);
+
+    for (size_t at = 0; at < p->n; at += ROW)
+        lcor_plan_texture_row(plan, p->n - at < ROW ? p->n - at : ROW, p->rgb + 3 * at, p->f + at,
+                              p->n);
+    lcor_plan_free(plan);
+}
+
+static double timed_run(const pictures *p, const path *what, const lcor_kernel *kernel)
 {
     lcor_plan *plan = make_plan(what, what->type);
-    result r;
+    double t;
 
-    memset(&r, 0, sizeof r);
-    r.ns = r.bound_ns = 1e30;
     plan->kernel = kernel;
-    if (what->texture)
-        for (size_t at = 0; at < p->n; at += ROW)
-            lcor_plan_texture_row(plan, p->n - at < ROW ? p->n - at : ROW, p->rgb + 3 * at,
-                                  p->f + at, p->n);
-    for (int i = 0; i < RUNS; i++) {
+    t = now();
+    run(p, p->n, what, plan);
+    t = now() - t;
+    lcor_plan_free(plan);
+    return t / (double)p->n * 1e9;
+}
+
+static void measure_times(const pictures *p, results *r)
+{
+    make_texture(p);
+    r->bound_ns = 1e30;
+    for (int w = 0; w < PATHS; w++)
+        for (size_t v = 0; v < r->kernel_count; v++)
+            r->of[w][v].ns = 1e30;
+    for (int i = 0; i < ROUNDS; i++) {
         double t = now();
 
         only_move(p->rgb, p->light, p->out, p->n);
-        r.bound_ns = fmin(r.bound_ns, (now() - t) / (double)p->n * 1e9);
-        t = now();
-        run(p, what, plan);
-        r.ns = fmin(r.ns, (now() - t) / (double)p->n * 1e9);
+        r->bound_ns = fmin(r->bound_ns, (now() - t) / (double)p->n * 1e9);
+        for (int w = 0; w < PATHS; w++)
+            for (size_t v = 0; r->chosen[w] && v < r->kernel_count; v++) {
+                t = timed_run(p, &paths[w], r->kernels[v]);
+                r->of[w][v].ns = fmin(r->of[w][v].ns, t);
+            }
     }
-    measure_errors(p, what, &r);
-    lcor_plan_free(plan);
-    return r;
 }
 
-static void report(const result *r, const char *kernel, const path *what, FILE *json, int first)
+static void report(const result *r, double bound_ns, const char *kernel, const path *what,
+                   FILE *json)
 {
+    static int rows;
     const int codes = what->type != LCOR_F32;
 
-    printf("%-7s %-24s %8.2f %10.2f", kernel, what->name, r->ns, r->bound_ns / r->ns);
+    printf("%-7s %-24s %8.2f %10.2f", kernel, what->name, r->ns, bound_ns / r->ns);
     if (codes)
         printf("   %d code, %.4f %% differ\n", r->worst_code, 100.0 * r->off);
     else
@@ -284,41 +315,66 @@ static void report(const result *r, const char *kernel, const path *what, FILE *
     fflush(stdout);
     if (json == NULL)
         return;
-    fprintf(json, "%s\n   [\"%s\", \"%s\", %.3g, %.3g, ", first ? "" : ",", kernel, what->name,
-            r->ns, r->bound_ns / r->ns);
+    fprintf(json, "%s\n   [\"%s\", \"%s\", %.3g, %.3g, ", rows++ == 0 ? "" : ",", kernel,
+            what->name, r->ns, bound_ns / r->ns);
     if (codes)
         fprintf(json, "\"%d code, %.2g %%\", \"\", \"\"]", r->worst_code, 100.0 * r->off);
     else
         fprintf(json, "%.2g, %.2g, %.2g]", r->rgb, r->e_max, r->e_mean);
 }
 
-/* Keep-hue over clip, from the times of the first two paths. */
-static void report_gamut(const pictures *p, double ns[2][8], FILE *json)
+/* The errors of each path, and what was measured of it. */
+static void report_path(const pictures *p, int w, results *r, FILE *json)
 {
-    const lcor_kernel *kernel;
+    const size_t n = p->n < CHECKED ? p->n : CHECKED;
+    result exact;
+
+    memset(&exact, 0, sizeof exact);
+    exact.ns = make_exact(p, &paths[w]);
+    if (w <= F32_KEEP_HUE)
+        report(&exact, r->bound_ns, "double", &paths[w], json);
+    for (size_t v = 0; v < r->kernel_count; v++) {
+        lcor_plan *plan = make_plan(&paths[w], paths[w].type);
+
+        plan->kernel = r->kernels[v];
+        run(p, n, &paths[w], plan);
+        lcor_plan_free(plan);
+        measure_errors(p, &paths[w], &r->of[w][v]);
+        report(&r->of[w][v], r->bound_ns, r->kernels[v]->name, &paths[w], json);
+    }
+}
+
+/* Keep-hue over clip, and bytes over floats. */
+static void report_ratios(const pictures *p, const results *r, FILE *json)
+{
     const double share = outside(p);
 
-    printf("\nkernel  keep-hue over clip, %.2f %% of the pixels out of gamut\n", share);
+    printf("\nkernel  f32: keep-hue over clip  clip: u8 over f32   (%.2f %% out of gamut)\n",
+           share);
     if (json != NULL)
-        fprintf(json,
-                "]},\n {\"title\": \"Keeping hue against clipping\",\n \"note\": \"Time of f32 "
-                "keep-hue over that of f32 clip, %.2f %% of the pixels out of gamut.\",\n "
-                "\"command\": \"build/bench/bench/bench_kernel\",\n \"columns\": [\"kernel\", "
-                "\"times\"],\n \"rows\": [",
-                share);
-    for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
-        printf("%-7s %.2f\n", kernel->name, ns[1][v] / ns[0][v]);
+        fprintf(
+            json,
+            "]},\n {\"title\": \"Keeping hue against clipping, bytes against floats\",\n "
+            "\"note\": \"Ratios of the times above; %.2f %% of the pixels are out of gamut.\",\n "
+            "\"command\": \"build/bench/bench/bench_kernel\",\n \"columns\": [\"kernel\", "
+            "\"f32: keep-hue over clip\", \"clip: u8 over f32\"],\n \"rows\": [",
+            share);
+    for (size_t v = 0; v < r->kernel_count; v++) {
+        const double clip = r->of[F32_CLIP][v].ns, hue = r->of[F32_KEEP_HUE][v].ns / clip;
+        const double bytes = r->of[U8_CLIP][v].ns / clip;
+
+        printf("%-7s %23.2f %18.2f\n", r->kernels[v]->name, hue, bytes);
         if (json != NULL)
-            fprintf(json, "%s[\"%s\", %.2f]", v > 0 ? ", " : "", kernel->name, ns[1][v] / ns[0][v]);
+            fprintf(json, "%s[\"%s\", %.2f, %.2f]", v > 0 ? ", " : "", r->kernels[v]->name, hue,
+                    bytes);
     }
 }
 
 int main(int argc, char **argv)
 {
+    static results r;
     FILE *json = NULL;
-    double gamut_ns[2][8] = {{0.0}};
     pictures p;
-    int first = 1;
 
     p.n = (size_t)(argc > 2 ? strtol(argv[2], NULL, 10) : 16) << 20;
     if (p.n == 0 || p.n > (size_t)1 << 30) {
@@ -329,48 +385,33 @@ int main(int argc, char **argv)
         fprintf(stderr, "bench_kernel: cannot write %s\n", argv[1]);
         return 1;
     }
+    while (r.kernel_count < KERNELS_MAX &&
+           (r.kernels[r.kernel_count] = lcor_internal_kernel(r.kernel_count)) != NULL)
+        r.kernel_count++;
+    for (int w = 0; w < PATHS; w++)
+        r.chosen[w] = argc <= 3 || strcmp(argv[3], paths[w].name) == 0;
     make_pictures(&p);
+    measure_times(&p, &r);
     printf(
         "%zu megapixels, interleaved, one thread; \"of memory\" is the rate against a loop that\n"
         "only reads 16 bytes and writes 12 a pixel, in the same run\n\n",
         p.n >> 20);
     printf("%-7s %-24s %8s %10s   %s\n", "kernel", "path", "ns/pixel", "of memory", "error");
     if (json != NULL)
-        fprintf(json,
-                "{\"tables\": [{\"title\": \"Row calls: speed against accuracy\",\n \"note\": "
-                "\"%zu megapixels of random colour, one thread, best of %d; 'of memory' is the "
-                "rate against a loop that only reads 16 bytes and writes 12 a pixel; errors "
-                "against double.\",\n \"command\": \"build/bench/bench/bench_kernel\",\n "
-                "\"columns\": [\"kernel\", \"path\", \"ns/pixel\", \"of memory\", \"RGB\", "
-                "\"dE max\", \"dE mean\"],\n \"rows\": [",
-                p.n >> 20, RUNS);
-    for (size_t w = 0; w < sizeof PATHS / sizeof PATHS[0]; w++) {
-        const lcor_kernel *kernel;
-        double seconds;
-
-        if (argc > 3 && strcmp(argv[3], PATHS[w].name) != 0)
-            continue;
-        seconds = make_exact(&p, &PATHS[w]);
-
-        if (w < 2) {
-            result r;
-
-            memset(&r, 0, sizeof r);
-            r.ns = seconds / (double)(p.n < CHECKED ? p.n : CHECKED) * 1e9;
-            report(&r, "double", &PATHS[w], json, first);
-            first = 0;
-        }
-        for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
-            const result r = measure(&p, &PATHS[w], kernel);
-
-            report(&r, kernel->name, &PATHS[w], json, first);
-            first = 0;
-            if (w < 2)
-                gamut_ns[w][v] = r.ns;
-        }
-    }
+        fprintf(
+            json,
+            "{\"tables\": [{\"title\": \"Row calls: speed against accuracy\",\n \"note\": "
+            "\"%zu megapixels of random colour, one thread, best of %d rounds in which all take "
+            "turns; 'of memory' is the rate against a loop that only reads 16 bytes and writes "
+            "12 a pixel; errors against double.\",\n \"command\": "
+            "\"build/bench/bench/bench_kernel\",\n \"columns\": [\"kernel\", \"path\", "
+            "\"ns/pixel\", \"of memory\", \"RGB\", \"dE max\", \"dE mean\"],\n \"rows\": [",
+            p.n >> 20, ROUNDS);
+    for (int w = 0; w < PATHS; w++)
+        if (r.chosen[w])
+            report_path(&p, w, &r, json);
     if (argc <= 3)
-        report_gamut(&p, gamut_ns, json);
+        report_ratios(&p, &r, json);
     if (json != NULL && (fprintf(json, "]}]}\n") < 0 || fclose(json) != 0)) {
         fprintf(stderr, "bench_kernel: cannot write %s\n", argv[1]);
         return 1;
