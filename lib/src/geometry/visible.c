@@ -14,15 +14,9 @@ static void copy(const visible_piece *from, visible_piece *to)
     memcpy(to->p, from->p, (size_t)from->n * sizeof from->p[0]);
 }
 
-int visible_is_quad(const visible_piece *piece, const double *corners)
+int visible_is(const visible_piece *piece, int n, const double *corners)
 {
-    if (piece->n != 4)
-        return 0;
-    for (size_t i = 0; i < 4; i++)
-        for (size_t k = 0; k < 3; k++)
-            if (piece->p[i][k] != corners[3 * i + k])
-                return 0;
-    return 1;
+    return piece->n == n && memcmp(piece->p, corners, (size_t)n * sizeof piece->p[0]) == 0;
 }
 
 double visible_area(const visible_piece *piece)

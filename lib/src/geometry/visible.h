@@ -53,8 +53,8 @@ int visible_cone_over(visible_cone *cone, const visible_view *view, int n, doubl
 int visible_cone_add(visible_cone *cone, const visible_view *view, const double p[3],
                      const double q[3], const double inside[3]);
 
-/* Whether the piece is the quadrilateral of these 4 corners x, y, z, uncut. */
-int visible_is_quad(const visible_piece *piece, const double *corners);
+/* Whether the piece is the polygon of these n corners, uncut. */
+int visible_is(const visible_piece *piece, int n, const double *corners);
 
 /* Twice the area of a piece. */
 double visible_area(const visible_piece *piece);

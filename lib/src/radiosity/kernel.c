@@ -55,27 +55,28 @@ static void fill_open(const links *l, const links_link *link, double (*x)[3], li
 static void fill_link(const links *l, const links_link *link)
 {
     const links_element *r = links_at(l, link->receiver), *s = links_at(l, link->sender);
-    const face *fr = links_face_of(l, r), *fs = links_face_of(l, s);
     links_block *block = (links_block *)l->blocks.items + link->block;
     double x[RULE_Q][3];
     transfer t;
 
-    for (int i = 0; i < RULE_Q; i++)
-        face_point(fr, r->c.s0 + rule_x[i / RULE_P] * r->c.hs,
-                   r->c.t0 + rule_x[i % RULE_P] * r->c.ht, x[i]);
-    if (link->occluder_count == 0 &&
-        transfer_factors(l->scene, fr, RULE_Q, x, fs, &s->c, block->exact)) {
+    links_nodes(l, r, x);
+    transfer_target(&t, l->scene, links_face_of(l, r)->normal, links_face_of(l, s),
+                    (const uint32_t *)l->occluders.items + link->first_occluder,
+                    link->occluder_count, (double)link->accuracy);
+    if (link->factors != links_no_block)
+        memcpy(block->exact, (double *)l->factors.items + link->factors * RULE_Q,
+               sizeof block->exact);
+    else
+        transfer_factors(&t, RULE_Q, x, &s->c, block->exact);
+    if (transfer_is_open(&t, x[0], &s->c)) {
         fill_open(l, link, x, block);
         return;
     }
-    transfer_target(&t, l->scene, fr->normal, fs,
-                    (const uint32_t *)l->occluders.items + link->first_occluder,
-                    link->occluder_count, (double)link->accuracy);
     for (int i = 0; i < RULE_Q; i++) {
         float weights[RULE_Q];
 
         transfer_aim(&t, x[i]);
-        block->exact[i] = transfer_weights(&t, &s->c, weights);
+        transfer_weights(&t, &s->c, block->exact[i], weights);
         for (int k = 0; k < RULE_Q; k++)
             block->k[k][i] = weights[k];
     }
@@ -182,6 +183,9 @@ int links_fill(links *l)
         links_run(l, left < BATCH ? left : BATCH, fill_task, &job);
         l->poll(l);
     }
+    for (size_t i = 0; i < l->list.count; i++)
+        ((links_link *)l->list.items)[i].factors = links_no_block;
+    l->factors.count = 0;
     return !l->cancelled;
 }
 

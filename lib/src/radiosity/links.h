@@ -30,9 +30,10 @@ typedef struct links_link {
     uint32_t receiver, sender;
     uint32_t first_occluder, occluder_count; /* in links.occluders */
     uint32_t block;
-    float accuracy;  /* of the block's weights, a form factor */
-    float defect[3]; /* of the interpolated form factor: at the ends of either axis, the worst;
-                        defect[2] < 0: not measured yet */
+    uint32_t factors; /* place in links.factors, if measured and not yet filled */
+    float accuracy;   /* of the block's weights, a form factor */
+    float defect[3];  /* of the interpolated form factor: at the ends of either axis, the worst;
+                         defect[2] < 0: not measured yet */
 } links_link;
 
 static const uint32_t links_no_block = UINT32_MAX;
@@ -67,6 +68,7 @@ struct links {
     lcor_array elements;                      /* links_element */
     lcor_array list;                          /* links_link, by receiver once built */
     lcor_array blocks;                        /* links_block */
+    lcor_array factors;                       /* double[RULE_Q]: measured at receivers' nodes */
     lcor_array occluders;                     /* uint32_t */
     lcor_array scratch;                       /* uint32_t, used as a stack while refining */
     lcor_array irradiance, radiosity, source; /* double[RULE_Q * channels] an element */
@@ -119,6 +121,7 @@ int links_split(links *l, size_t element, int axis);
 int links_may_split(const links *l, const links_element *e, int axis);
 /* Length of an element along an axis: of its middle line. */
 double links_extent(const links *l, const links_element *e, int axis);
+void links_nodes(const links *l, const links_element *e, double x[RULE_Q][3]);
 void links_region(const links *l, const links_element *e, region *out);
 /* A point this little before the edge between two leaves belongs to the second, so that rounding
  * does not decide. */

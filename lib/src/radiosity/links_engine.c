@@ -38,6 +38,7 @@ static uint64_t bytes_held(const links *l)
 
     return l->faces.capacity * sizeof(face) + l->elements.capacity * sizeof(links_element) +
            l->list.capacity * sizeof(links_link) + l->blocks.capacity * sizeof(links_block) +
+           l->factors.capacity * RULE_Q * sizeof(double) +
            (l->occluders.capacity + l->scratch.capacity) * sizeof(uint32_t) +
            (l->irradiance.capacity + l->radiosity.capacity + l->source.capacity) * sizeof(double) *
                values +

@@ -73,7 +73,7 @@ static int clipped_cell(const moments *m, const cell *c, int depth, double out[R
     visible_set set;
 
     face_cell_corners(m->f, c, corners);
-    if (!sight_cell(&m->sight, corners, NULL, NULL, &set)) {
+    if (!sight_cell(&m->sight, corners, NULL, NULL, SIGHT_SMALLER, &set)) {
         if (depth < CLIP_DEPTH_MAX)
             return 0;
         (void)visible_start(&set, sight_centre_blocked(&m->sight, c) ? 0 : 4, corners[0]);
@@ -82,7 +82,7 @@ static int clipped_cell(const moments *m, const cell *c, int depth, double out[R
     for (int i = 0; i < set.count; i++) {
         const visible_piece *piece = &set.pieces[i];
 
-        if (i == 0 && visible_is_quad(piece, corners[0]))
+        if (i == 0 && visible_is(piece, 4, corners[0]))
             whole(m, c, out);
         else
             for (int j = 1; j + 1 < piece->n; j++)

@@ -6,6 +6,7 @@
 #include "radiosity/transfer.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double pi = 3.14159265358979323846;
 
@@ -22,6 +23,10 @@ static const double close_by = 0.3;
 /* Part of a defect seen in the worst corner that is left in the norm, and the part of a sender's
  * roughness that is left after integration. */
 static const double corner_share = 0.5, rough_share = 0.3;
+
+/* Moments keep what a rough sender sends to where all of it is seen. Past an occluder's edge the
+ * errors of the part that is left do not cancel, however far away: so much of them is felt. */
+static const double cut_share = 0.08;
 
 /* In what is symmetric the first axis is taken, not what rounding says. */
 static const float unequal = 1.001F;
@@ -112,30 +117,27 @@ static size_t place_tests(const links *l, const links_element *r, const links_el
     return at[ENDS][0] > 0 && at[ENDS][0] < 1 && at[ENDS][1] > 0 && at[ENDS][1] < 1 ? TESTS : ENDS;
 }
 
-/* The receiver oracle: the form factor interpolated from the receiver's nodes against itself. */
-static void measure(const links *l, links_link *p)
+/* The receiver oracle: the form factor interpolated from the receiver's nodes against itself. The
+ * former are kept behind the last ones in use, in case the link is accepted. */
+static void measure(links *l, links_link *p)
 {
     const links_element *r = links_at(l, p->receiver), *s = links_at(l, p->sender);
     const face *fr = links_face_of(l, r), *fs = links_face_of(l, s);
-    double x[RULE_Q + TESTS][3], value[RULE_Q + TESTS], at[TESTS][2];
+    double x[RULE_Q + TESTS][3], value[RULE_Q + TESTS], at[TESTS][2], *kept;
     const size_t tests = place_tests(l, r, s, at);
+    transfer t;
 
-    for (int k = 0; k < RULE_Q; k++)
-        face_point(fr, r->c.s0 + rule_x[k / RULE_P] * r->c.hs,
-                   r->c.t0 + rule_x[k % RULE_P] * r->c.ht, x[k]);
+    links_nodes(l, r, x);
     for (size_t i = 0; i < tests; i++)
         face_point(fr, r->c.s0 + at[i][0] * r->c.hs, r->c.t0 + at[i][1] * r->c.ht, x[RULE_Q + i]);
-    if (p->occluder_count > 0 ||
-        !transfer_factors(l->scene, fr, RULE_Q + tests, x, fs, &s->c, value)) {
-        transfer t;
-
-        transfer_target(&t, l->scene, fr->normal, fs,
-                        (const uint32_t *)l->occluders.items + p->first_occluder, p->occluder_count,
-                        l->accuracy);
-        for (size_t i = 0; i < RULE_Q + tests; i++) {
-            transfer_aim(&t, x[i]);
-            value[i] = transfer_factor(&t, &s->c);
-        }
+    transfer_target(&t, l->scene, fr->normal, fs,
+                    (const uint32_t *)l->occluders.items + p->first_occluder, p->occluder_count,
+                    l->accuracy);
+    transfer_factors(&t, RULE_Q + tests, x, &s->c, value);
+    kept = lcor_array_reserve(&l->allocator, &l->factors, 1, RULE_Q * sizeof *kept);
+    if (kept) {
+        memcpy(kept, value, RULE_Q * sizeof *kept);
+        p->factors = (uint32_t)l->factors.count;
     }
     p->defect[0] = p->defect[1] = p->defect[2] = 0;
     for (size_t i = 0; i < tests; i++) {
@@ -154,7 +156,7 @@ static void measure(const links *l, links_link *p)
 }
 
 /* Defect of the receiver that splitting it along *axis would mend, times `scale`. */
-static double receiver_defect(const links *l, links_link *p, double scale, int *axis)
+static double receiver_defect(links *l, links_link *p, double scale, int *axis)
 {
     const links_element *r = links_at(l, p->receiver);
 
@@ -177,12 +179,12 @@ static double polynomial_error(const double q[2])
 
 typedef enum verdict { ACCEPT, SPLIT_RECEIVER, SPLIT_SENDER } verdict;
 
-static verdict judge(const links *l, links_link *p, int *axis)
+static verdict judge(links *l, links_link *p, int *axis)
 {
     const links_element *r = links_at(l, p->receiver), *s = links_at(l, p->sender);
     const double least = fmax(r->e_min, l->floor);
     const double face_area = links_at(l, (size_t)links_face_of(l, r)->root)->area;
-    double from[3], qs[2], qr[2], d[3], distance, factor, scale, receiver, sender;
+    double from[3], qs[2], qr[2], d[3], distance, factor, scale, felt, receiver, sender;
     int receiver_axis = 0, sender_axis;
 
     nearest(r, s, from);
@@ -195,7 +197,8 @@ static verdict judge(const links *l, links_link *p, int *axis)
     scale = (l->share ? fmax(least_share, sqrt(r->area / face_area)) : 1) / least;
     /* Behind an occluder's edge nothing is smooth, however far away. */
     receiver = factor * s->b_max * scale * (p->occluder_count > 0 ? 1 : polynomial_error(qr));
-    sender = factor * s->rough * scale * rough_share * polynomial_error(qs);
+    felt = p->occluder_count > 0 ? fmax(polynomial_error(qs), cut_share) : polynomial_error(qs);
+    sender = factor * s->rough * scale * rough_share * felt;
     sender_axis = long_axis(l, s);
     if (!links_may_split(l, s, sender_axis))
         sender = 0;
@@ -226,6 +229,10 @@ static int add_link(links *l, links_link *p)
         p->accuracy = (float)wanted;
     }
     *link = *p;
+    if (p->block == links_no_block && p->factors == l->factors.count)
+        l->factors.count++;
+    else
+        link->factors = links_no_block;
     l->list.count++;
     return 1;
 }
@@ -243,7 +250,7 @@ static int refine(links *l, links_link p)
     v = l->hurry ? ACCEPT : judge(l, &p, &axis);
     if (v == ACCEPT)
         return add_link(l, &p);
-    p.block = links_no_block;
+    p.block = p.factors = links_no_block;
     p.defect[2] = -1;
     for (int i = 0; i < 2; i++) {
         uint32_t *split = v == SPLIT_RECEIVER ? &p.receiver : &p.sender;
@@ -280,7 +287,7 @@ static int list_all(links *l, int single, links_link *p)
 
 static int refine_roots(links *l)
 {
-    const links_link none = {0, 0, 0, 0, links_no_block, 0, {0, 0, -1}};
+    const links_link none = {0, 0, 0, 0, links_no_block, links_no_block, 0, {0, 0, -1}};
     links_link start[2];
 
     l->pairs_apart = l->pairs_open = l->pairs_tested = 0;

@@ -3,6 +3,8 @@
 
 #include "geometry/vec.h"
 
+#include <string.h>
+
 void sight_eye_of(const lcor_light *light, visible_eye *eye)
 {
     eye->parallel = light->kind == LCOR_LIGHT_DIRECTIONAL;
@@ -114,23 +116,37 @@ void sight_aim(sight *s, const visible_eye *eye)
     }
 }
 
-/* If one cone takes away less than half, what it takes is simpler than what is left around it. */
-static int hide_one(const visible_cone *cone, visible_set *set)
+/* If one cone takes away no more than `most` of what is there, that is simpler than what is left
+ * around it. */
+static int hide_one(const visible_cone *cone, double most, visible_set *set)
 {
-    visible_piece *whole = &set->pieces[0], *hidden = &set->pieces[1];
-    const int inside = visible_inside(whole, cone, hidden);
+    visible_piece *all = &set->pieces[0], *hidden = &set->pieces[1];
+    const int inside = visible_inside(all, cone, hidden);
 
     if (inside < 0)
         return 0;
-    if (inside > 0 && visible_area(hidden) > 0.5 * visible_area(whole))
+    if (inside > 0 && most < 1 && visible_area(hidden) > most * visible_area(all))
         return visible_subtract(set, cone);
     hidden->sign = -1;
-    set->count = inside > 0 ? 2 : 1;
+    if (inside > 0)
+        set->count = visible_is(hidden, all->n, all->p[0]) ? 0 : 2;
     return 1;
 }
 
+int sight_clear(const sight *s, double (*corners)[3])
+{
+    visible_piece all;
+
+    all.n = 4;
+    memcpy(all.p, corners, 4 * sizeof all.p[0]);
+    for (int i = 0; i < s->count; i++)
+        if (!visible_apart(&all, &s->cones[i]))
+            return 0;
+    return !s->crowded;
+}
+
 int sight_cell(const sight *s, double (*corners)[3], const double x[3], const double normal[3],
-               visible_set *set)
+               double most, visible_set *set)
 {
     const visible_cone *near[SIGHT_CONES];
     int count = 0;
@@ -144,7 +160,7 @@ int sight_cell(const sight *s, double (*corners)[3], const double x[3], const do
         if (!visible_apart(&set->pieces[0], &s->cones[i]))
             near[count++] = &s->cones[i];
     if (count == 1)
-        return hide_one(near[0], set);
+        return hide_one(near[0], most, set);
     for (int i = 0; i < count && set->count > 0; i++)
         if (!visible_subtract(set, near[i]))
             return 0;

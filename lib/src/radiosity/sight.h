@@ -8,6 +8,10 @@
 
 enum { SIGHT_CONES = 32 };
 
+/* What sight_cell takes away at most for integrals by a rule: its error should be that of what is
+ * left. */
+#define SIGHT_SMALLER 0.5
+
 typedef struct sight {
     const lcor_scene *scene;
     const face *f;
@@ -28,11 +32,14 @@ void sight_aim(sight *s, const visible_eye *eye);
 /* The eye of a light. */
 void sight_eye_of(const lcor_light *light, visible_eye *eye);
 
+/* Whether nothing can hide any of a cell with these corners. */
+int sight_clear(const sight *s, double (*corners)[3]);
+
 /* What is seen of a cell with these corners, of what lies on the upper side of the plane through x,
- * if normal is not NULL. 1: *set holds it, pieces of sign -1 to be taken away from the others;
- * 0: there are too many pieces. */
+ * if normal is not NULL. 1: *set holds it, pieces of sign -1 to be taken away from the others, no
+ * more than a part `most` of them; 0: there are too many pieces. */
 int sight_cell(const sight *s, double (*corners)[3], const double x[3], const double normal[3],
-               visible_set *set);
+               double most, visible_set *set);
 
 /* Whether a ray from the cell's centre to the eye is blocked. */
 int sight_centre_blocked(const sight *s, const cell *c);

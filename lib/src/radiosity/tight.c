@@ -9,13 +9,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { OCCLUDERS_MAX = 256 };
+enum { OCCLUDERS_MAX = 256, TOGETHER = 2 * TRANSFER_LANES };
 
+/* From so many on, points that see all of a face gather from it at once, repeated up to TOGETHER.
+ */
+enum { WORTHWHILE = 3 };
+
+/* Points of one plane that gather from a face. */
 typedef struct gatherer {
     const links *l;
-    transfer t;
-    double accuracy, expected; /* wanted, of about so much irradiance */
-    double *out;
+    transfer t; /* looks at the face, from the only point if there is one */
+    double accuracy;
+    double expected; /* the least irradiance of any */
+    size_t n;
+    double x[TOGETHER][3];
+    double *out[TOGETHER];
 } gatherer;
 
 /* Whether the polynomial of an element is as good as those of its parts, seen from where 1/r^2 is
@@ -27,10 +35,10 @@ static int is_fine(const links_element *e, double q, double distance2, double ac
     return e->child < 0 || fmin(1, e->area / (distance2 + 1e-300)) <= accuracy * squared * squared;
 }
 
-/* Of a form factor to an element, if as much irradiance is expected. */
-static double factor_accuracy(const links_element *e, double accuracy, double expected)
+/* Of a form factor to an element. */
+static double factor_accuracy(const gatherer *g, const links_element *e)
 {
-    return accuracy * fmin(1, expected / e->b_max);
+    return g->accuracy * fmin(1, g->expected / e->b_max);
 }
 
 static void add_weighed(const links *l, size_t index, const float weights[RULE_Q], double *out)
@@ -46,47 +54,37 @@ static void add_weighed(const links *l, size_t index, const float weights[RULE_Q
 static void gather_element(gatherer *g, size_t index)
 {
     const links_element *e = links_at(g->l, index);
-    const face *f = links_face_of(g->l, e);
     float weights[RULE_Q];
     double q[2], distance2;
 
     if (!(e->b_max > 0))
         return;
-    g->t.accuracy = factor_accuracy(e, g->accuracy, g->expected);
-    distance2 = e->child < 0 ? 0 : transfer_ellipse(g->t.x, f, &e->c, q);
+    g->t.accuracy = factor_accuracy(g, e);
+    distance2 = e->child < 0 ? 0 : transfer_ellipse(g->x[0], g->t.f, &e->c, q);
     if (!is_fine(e, e->child < 0 ? 1 : fmin(q[0], q[1]), distance2, g->t.accuracy)) {
         gather_element(g, (size_t)e->child);
         gather_element(g, (size_t)e->child + 1);
         return;
     }
-    (void)transfer_weights(&g->t, &e->c, weights);
-    add_weighed(g->l, index, weights, g->out);
+    transfer_weights(&g->t, &e->c, transfer_factor(&g->t, &e->c), weights);
+    add_weighed(g->l, index, weights, g->out[0]);
 }
 
-/* Points of a face of a convex scene, all of which see everything. */
-enum { TOGETHER = 2 * TRANSFER_LANES };
-typedef struct batch {
-    const links *l;
-    const face *on;
-    double x[TOGETHER][3];
-    double accuracy, expected; /* the least of all */
-    double out[TOGETHER][3];
-} batch;
-
-static void gather_together(batch *g, size_t index)
+/* The same for points that see all of the face. */
+static void gather_together(gatherer *g, size_t index)
 {
     const links_element *e = links_at(g->l, index);
-    const face *f = links_face_of(g->l, e);
+    const links *l = g->l;
     double exact[TOGETHER], accuracy;
     int fine = 1;
 
     if (!(e->b_max > 0))
         return;
-    accuracy = factor_accuracy(e, g->accuracy, g->expected);
+    accuracy = factor_accuracy(g, e);
     for (int i = 0; fine && e->child >= 0 && i < TOGETHER; i += TRANSFER_LANES) {
         double q[TRANSFER_LANES], distance2[TRANSFER_LANES];
 
-        transfer_ellipses(g->x + i, f, &e->c, q, distance2);
+        transfer_ellipses(g->x + i, g->t.f, &e->c, q, distance2);
         for (int k = 0; k < TRANSFER_LANES; k++)
             fine &= is_fine(e, q[k], distance2[k], accuracy);
     }
@@ -95,84 +93,121 @@ static void gather_together(batch *g, size_t index)
         gather_together(g, (size_t)e->child + 1);
         return;
     }
-    /* nothing of a convex scene is behind a face */
-    (void)transfer_factors(g->l->scene, g->on, TOGETHER, g->x, f, &e->c, exact);
-    for (int i = 0; i < TOGETHER; i += TRANSFER_LANES) {
+    transfer_factors(&g->t, TOGETHER, g->x, &e->c, exact);
+    for (size_t i = 0; i < g->n; i += TRANSFER_LANES) {
         float weights[TRANSFER_LANES][RULE_Q];
 
-        transfer_open(g->l->scene, g->x + i, g->on->normal, f, &e->c, accuracy, exact + i, weights);
-        for (int k = 0; k < TRANSFER_LANES; k++)
-            add_weighed(g->l, index, weights[k], g->out[i + k]);
+        transfer_open(l->scene, g->x + i, g->t.normal, g->t.f, &e->c, accuracy, exact + i, weights);
+        for (size_t k = i; k < i + TRANSFER_LANES && k < g->n; k++)
+            add_weighed(l, index, weights[k - i], g->out[k]);
     }
 }
 
-/* As links_gather, at n points of a face of a convex scene, TOGETHER at most. */
-static void gather_batch(const links *l, const face *on, size_t n, double (*x)[3], double accuracy,
-                         const double *expected, double (*out)[3])
+/* From a face of which all points see the whole. */
+static void gather_open(gatherer *g, const face *f, size_t n, double (*x)[3], double **out)
 {
-    batch g = {.l = l, .on = on, .accuracy = accuracy, .expected = expected[0]};
+    const size_t step = n < WORTHWHILE ? 1 : TOGETHER;
 
-    for (size_t i = 0; i < TOGETHER; i++) {
-        const size_t k = i < n ? i : n - 1;
+    for (size_t i = 0; i < n; i += step) {
+        g->n = step == 1 ? 1 : n;
+        for (size_t k = 0; k < step; k++) {
+            const size_t from = i + k < n ? i + k : i;
 
-        vec_copy(x[k], g.x[i]);
-        g.expected = fmin(g.expected, expected[k]);
+            vec_copy(x[from], g->x[k]);
+            g->out[k] = out[from];
+        }
+        if (step > 1) {
+            gather_together(g, (size_t)f->root);
+        } else {
+            transfer_aim(&g->t, g->x[0]);
+            gather_element(g, (size_t)f->root);
+        }
     }
-    for (size_t i = 0; i < l->faces.count; i++) {
-        const face *f = (const face *)l->faces.items + i;
+}
 
-        if (f->surface != on->surface)
-            gather_together(&g, (size_t)f->root);
+/* What a point sees of a face: OCCLUDERS_BLOCK nothing, else how many occluders may stand between,
+ * or that there is a crowd of them. */
+static long look(const lcor_scene *scene, const double x[3], const double normal[3], const face *f,
+                 int inside, uint32_t *occluders)
+{
+    const cell all = {0, 0, 1, 1};
+    const uint32_t *blockers;
+    size_t candidates;
+    region here, there;
+    double d[3];
+
+    vec_sub(x, f->origin, d);
+    if (vec_dot(d, f->normal) <= SCENE_TOUCH * scene->diameter)
+        return OCCLUDERS_BLOCK;
+    if (scene->convex)
+        return 0;
+    vec_copy(normal, here.normal);
+    for (int i = 0; i < 4; i++)
+        vec_copy(x, here.corners[i]);
+    face_cell_corners(f, &all, there.corners);
+    vec_copy(f->normal, there.normal);
+    blockers = occluders_of(scene, inside || f->back, &candidates);
+    return occluders_between(scene, &here, &there, blockers, candidates, occluders, OCCLUDERS_MAX);
+}
+
+/* Irradiance at points of one plane, TOGETHER at most. */
+static void gather(const links *l, size_t n, double (*x)[3], const double normal[3], uint32_t skip,
+                   double accuracy, const double *expected, double (*out)[3])
+{
+    const cell all = {0, 0, 1, 1};
+    const lcor_scene *scene = l->scene;
+    uint32_t occluders[OCCLUDERS_MAX];
+    double open[TOGETHER][3], *open_out[TOGETHER];
+    int inside[TOGETHER];
+    gatherer g;
+
+    g.l = l;
+    g.accuracy = accuracy;
+    g.expected = expected[0];
+    for (size_t i = 0; i < n; i++) {
+        double above[3];
+
+        vec_add_scaled(x[i], 10 * SCENE_TOUCH * scene->diameter, normal, above);
+        inside[i] = !scene->convex && lcor_scene_in_solid(scene, above);
+        g.expected = fmin(g.expected, expected[i]);
+        memset(out[i], 0, sizeof out[i]);
     }
-    memcpy(out, g.out, n * sizeof *out);
+    for (size_t k = 0; k < l->faces.count; k++) {
+        const face *f = (const face *)l->faces.items + k;
+        size_t opens = 0;
+
+        for (size_t i = 0; i < n && f->surface != skip; i++) {
+            const long kept = look(scene, x[i], normal, f, inside[i], occluders);
+
+            if (kept == OCCLUDERS_BLOCK)
+                continue;
+            transfer_target(&g.t, scene, normal, f, occluders, kept > 0 ? (size_t)kept : 0,
+                            accuracy);
+            if (kept == 0 && transfer_is_open(&g.t, x[i], &all)) {
+                vec_copy(x[i], open[opens]);
+                open_out[opens++] = out[i];
+                continue;
+            }
+            vec_copy(x[i], g.x[0]);
+            g.out[0] = out[i];
+            transfer_aim(&g.t, g.x[0]);
+            g.t.sight.crowded |= kept == OCCLUDERS_CROWD;
+            gather_element(&g, (size_t)f->root);
+        }
+        transfer_target(&g.t, scene, normal, f, NULL, 0, accuracy);
+        gather_open(&g, f, opens, open, open_out);
+    }
 }
 
 void links_gather(const links *l, const double x[3], const double normal[3], uint32_t skip,
                   double accuracy, double expected, double *out)
 {
-    const cell all = {0, 0, 1, 1};
-    uint32_t occluders[OCCLUDERS_MAX];
-    gatherer g;
-    region here, there;
-    double above[3];
-    int inside;
+    double at[1][3], sum[1][3];
 
-    g.l = l;
-    g.accuracy = accuracy;
-    g.expected = expected;
-    g.out = out;
-    vec_add_scaled(x, 10 * SCENE_TOUCH * l->scene->diameter, normal, above);
-    inside = lcor_scene_in_solid(l->scene, above);
-    vec_copy(normal, here.normal);
-    for (int i = 0; i < 4; i++)
-        vec_copy(x, here.corners[i]);
+    vec_copy(x, at[0]);
+    gather(l, 1, at, normal, skip, accuracy, &expected, sum);
     for (int c = 0; c < l->channels; c++)
-        out[c] = 0;
-    for (size_t i = 0; i < l->faces.count; i++) {
-        const face *f = (const face *)l->faces.items + i;
-        const uint32_t *blockers;
-        size_t candidates;
-        long kept = 0;
-        double d[3];
-
-        vec_sub(x, f->origin, d);
-        if (f->surface == skip || vec_dot(d, f->normal) <= SCENE_TOUCH * l->scene->diameter)
-            continue;
-        if (!l->scene->convex) {
-            face_cell_corners(f, &all, there.corners);
-            vec_copy(f->normal, there.normal);
-            blockers = occluders_of(l->scene, inside || f->back, &candidates);
-            kept = occluders_between(l->scene, &here, &there, blockers, candidates, occluders,
-                                     OCCLUDERS_MAX);
-            if (kept == OCCLUDERS_BLOCK)
-                continue;
-        }
-        transfer_target(&g.t, l->scene, normal, f, occluders, kept > 0 ? (size_t)kept : 0,
-                        accuracy);
-        transfer_aim(&g.t, x);
-        g.t.sight.crowded |= kept == OCCLUDERS_CROWD;
-        gather_element(&g, (size_t)f->root);
-    }
+        out[c] = sum[0][c];
 }
 
 typedef struct sample {
@@ -216,11 +251,10 @@ static void estimate_task(void *arg, size_t first)
             expected[i] = fmax(expected[i], direct[i][c] + here[i][c]);
         }
     }
-    if (l->scene->convex && n > 0)
-        gather_batch(l, f, n, x, job->accuracy, expected, gathered);
+    if (n == 0)
+        return;
+    gather(l, n, x, f->normal, f->surface, job->accuracy, expected, gathered);
     for (size_t i = 0; i < n; i++) {
-        if (!l->scene->convex)
-            links_gather(l, x[i], f->normal, f->surface, job->accuracy, expected[i], gathered[i]);
         samples[i].defect = 0;
         for (int c = 0; c < l->channels; c++)
             samples[i].defect += (here[i][c] - gathered[i][c]) /
@@ -309,7 +343,7 @@ static const double tails = 1.4;
 
 int links_estimate(links *l, size_t n, links_errors *out)
 {
-    estimate_job job = {l, NULL, 0.1 * l->accuracy};
+    estimate_job job = {l, NULL, 0.4 * l->accuracy};
     size_t count;
     double weight = 0, mean = 0, square = 0, fourth = 0, spread, amplify;
 

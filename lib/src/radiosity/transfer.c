@@ -338,54 +338,42 @@ static LCOR_INLINE void add_triangle(const transfer *t, const cell *c, double si
     }
 }
 
-static double set_factor(const transfer *t, const visible_set *set)
-{
-    double sum = 0;
-
-    for (int i = 0; i < set->count; i++)
-        sum += set->pieces[i].sign *
-               lcor_factor_point(t->x, t->normal, (size_t)set->pieces[i].n, set->pieces[i].p[0]);
-    return fmax(sum, 0);
-}
-
-/* Weights of what the only point sees of a cell on which the kernel is smooth. Returns -1 if it
- * should be split after all, else the exact factor. */
-static LCOR_INLINE double clipped_cell(const transfer *t, const cell *c, const cell_view *v,
-                                       int depth, float weights[][RULE_Q])
+/* Weights of what the only point sees of a cell on which the kernel is smooth. Returns 0 if it
+ * should be split after all. */
+static LCOR_INLINE int clipped_cell(const transfer *t, const cell *c, const cell_view *v, int depth,
+                                    float weights[][RULE_Q])
 {
     double corners[4][3];
     visible_set set;
 
     face_cell_corners(t->f, c, corners);
-    if (!sight_cell(&t->sight, corners, t->x, t->normal, &set)) {
+    if (!sight_cell(&t->sight, corners, t->x, t->normal, SIGHT_SMALLER, &set)) {
         if (depth < CLIP_DEPTH_MAX)
-            return -1;
+            return 0;
         (void)visible_start(&set, sight_centre_blocked(&t->sight, c) ? 0 : 4, corners[0]);
     }
     memset(weights, 0, sizeof *weights);
     for (int i = 0; i < set.count; i++) {
         const visible_piece *piece = &set.pieces[i];
 
-        if (i == 0 && visible_is_quad(piece, corners[0]))
+        if (i == 0 && visible_is(piece, 4, corners[0]))
             whole(t, c, v, 1, weights);
         else
             for (int j = 1; j + 1 < piece->n; j++)
                 add_triangle(t, c, piece->sign, piece->p[0], piece->p[j], piece->p[j + 1], weights);
     }
-    return set_factor(t, &set);
+    return 1;
 }
 
-typedef double near_field(const transfer *t, const cell *c, lanes points, int clipped, int depth,
-                          float weights[][RULE_Q]);
+typedef void near_field(const transfer *t, const cell *c, lanes points, int clipped, int depth,
+                        float weights[][RULE_Q]);
 
 /* Virtual splitting: the sender keeps its nodes, but cells too near for some points are halved for
- * these, and the weights of the halves are folded back onto the whole. Returns the exact factor of
- * what is seen, where that is clipped. */
-static LCOR_INLINE double near_cell(const transfer *t, const cell *c, lanes points, int clipped,
-                                    int depth, float weights[][RULE_Q], near_field *of_half)
+ * these, and the weights of the halves are folded back onto the whole. */
+static LCOR_INLINE void near_cell(const transfer *t, const cell *c, lanes points, int clipped,
+                                  int depth, float weights[][RULE_Q], near_field *of_half)
 {
     float part[LANES][RULE_Q];
-    double exact = 0;
     cell half = *c;
     cell_view v;
     lanes far;
@@ -393,16 +381,13 @@ static LCOR_INLINE double near_cell(const transfer *t, const cell *c, lanes poin
 
     set_view(&t->frame, t->f, c, &v);
     far = depth >= DEPTH_MAX ? points : find_far(t, &v, points, &axis);
-    if (far && clipped) {
-        exact = clipped_cell(t, c, &v, depth, weights);
-        far = exact < 0 ? 0 : far;
-    } else if (far) {
+    if (far && clipped)
+        far = clipped_cell(t, c, &v, depth, weights) ? far : 0;
+    else if (far)
         whole(t, c, &v, far, weights);
-    }
     points &= ~far;
     if (!points)
-        return exact;
-    exact = 0;
+        return;
     for (int k = 0; k < LANES; k++)
         if (points & 1U << k)
             memset(weights[k], 0, sizeof weights[k]);
@@ -411,26 +396,25 @@ static LCOR_INLINE double near_cell(const transfer *t, const cell *c, lanes poin
     for (int i = 0; i < 2; i++) {
         half.s0 = c->s0 + (axis == 0 ? i * half.hs : 0);
         half.t0 = c->t0 + (axis == 1 ? i * half.ht : 0);
-        exact += of_half(t, &half, points, clipped, depth + 1, part);
+        of_half(t, &half, points, clipped, depth + 1, part);
         for (int k = 0; k < LANES; k++)
             if (points & 1U << k)
                 rule_fold_float(axis, i, part[k], weights[k]);
     }
-    return exact;
 }
 
-static double near_base(const transfer *t, const cell *c, lanes points, int clipped, int depth,
-                        float weights[][RULE_Q])
+static void near_base(const transfer *t, const cell *c, lanes points, int clipped, int depth,
+                      float weights[][RULE_Q])
 {
-    return near_cell(t, c, points, clipped, depth, weights, near_base);
+    near_cell(t, c, points, clipped, depth, weights, near_base);
 }
 
 #ifdef LCOR_HAVE_X86
-static __attribute__((target("avx2"))) double near_avx2(const transfer *t, const cell *c,
-                                                        lanes points, int clipped, int depth,
-                                                        float weights[][RULE_Q])
+static __attribute__((target("avx2"))) void near_avx2(const transfer *t, const cell *c,
+                                                      lanes points, int clipped, int depth,
+                                                      float weights[][RULE_Q])
 {
-    return near_cell(t, c, points, clipped, depth, weights, near_avx2);
+    near_cell(t, c, points, clipped, depth, weights, near_avx2);
 }
 #endif
 
@@ -476,24 +460,6 @@ void transfer_aim(transfer *t, const double x[3])
     sight_aim(&t->sight, &eye);
 }
 
-/* -1 nothing of the cell is in front of the point and facing it, 0 all of it is, 1 some. */
-static int horizon(const transfer *t, double (*corners)[3])
-{
-    const double touch = SCENE_TOUCH * t->sight.scene->diameter;
-    int below = 0, above = 0;
-    double d[3], h;
-
-    if (t->frame.height[0] <= 0)
-        return -1;
-    for (int i = 0; i < 4; i++) {
-        vec_sub(corners[i], t->x, d);
-        h = vec_dot(d, t->normal);
-        below |= h < -touch;
-        above |= h > touch;
-    }
-    return above ? below : -1;
-}
-
 /* Scales a point's weights, known but for the height over pi, to its exact factor. Behind the face
  * it gets nothing. */
 static void scale_row(double height, double exact, float weights[RULE_Q])
@@ -508,25 +474,40 @@ static void scale_row(double height, double exact, float weights[RULE_Q])
         weights[k] *= scale;
 }
 
-double transfer_weights(const transfer *t, const cell *c, float weights[RULE_Q])
+/* Whether a cell reaches below the horizon that points of a plane have. */
+static int is_cut(const transfer *t, const double x[3], double (*corners)[3])
 {
-    const int hidden = t->sight.count > 0 || t->sight.crowded;
-    float rows[1][RULE_Q];
-    double corners[4][3], exact;
-    int side;
+    const double lowest = vec_dot(x, t->normal) - SCENE_TOUCH * t->sight.scene->diameter;
+    int below = 0;
+
+    for (int i = 0; i < 4; i++)
+        below |= vec_dot(corners[i], t->normal) < lowest;
+    return below;
+}
+
+int transfer_is_open(const transfer *t, const double x[3], const cell *c)
+{
+    double corners[4][3];
 
     face_cell_corners(t->f, c, corners);
-    side = horizon(t, corners);
-    if (side < 0) {
+    return t->sight.blocker_count == 0 && !is_cut(t, x, corners);
+}
+
+void transfer_weights(const transfer *t, const cell *c, double exact, float weights[RULE_Q])
+{
+    float rows[1][RULE_Q];
+    double corners[4][3];
+    int clipped;
+
+    if (!(exact > 0)) {
         memset(weights, 0, RULE_Q * sizeof *weights);
-        return 0;
+        return;
     }
-    exact = near_for(t->sight.scene->cpu)(t, c, 1, hidden || side, 0, rows);
-    if (!hidden && !side)
-        exact = lcor_factor_point(t->x, t->normal, 4, corners[0]);
+    face_cell_corners(t->f, c, corners);
+    clipped = is_cut(t, t->x, corners) || !sight_clear(&t->sight, corners);
+    near_for(t->sight.scene->cpu)(t, c, 1, clipped, 0, rows);
     scale_row(t->frame.height[0], exact, rows[0]);
     memcpy(weights, rows, sizeof rows);
-    return exact;
 }
 
 void transfer_open(const lcor_scene *scene, double (*x)[3], const double normal[3], const face *f,
@@ -537,48 +518,68 @@ void transfer_open(const lcor_scene *scene, double (*x)[3], const double normal[
     set_target(&t, normal, f, accuracy);
     for (int i = 0; i < LANES; i++)
         set_lane(&t.frame, i, x[i], f);
-    (void)near_for(scene->cpu)(&t, c, (1U << LANES) - 1, 0, 0, weights);
+    near_for(scene->cpu)(&t, c, (1U << LANES) - 1, 0, 0, weights);
     for (int i = 0; i < LANES; i++)
         scale_row(t.frame.height[i], exact[i], weights[i]);
 }
 
-double transfer_factor(const transfer *t, const cell *c)
+/* Exact form factor of what is seen of a cell; `all` is that of all of it if it is known and no
+ * horizon cuts it, else negative. */
+static double seen_factor(const transfer *t, const cell *c, double all, int depth)
 {
     visible_set set;
-    double corners[4][3];
+    double corners[4][3], sum = 0;
 
     face_cell_corners(t->f, c, corners);
-    if (horizon(t, corners) < 0)
-        return 0;
-    if (t->sight.count == 0 && !t->sight.crowded)
-        return lcor_factor_point(t->x, t->normal, 4, corners[0]);
-    if (!sight_cell(&t->sight, corners, t->x, t->normal, &set))
-        return sight_centre_blocked(&t->sight, c)
-                   ? 0
-                   : lcor_factor_point(t->x, t->normal, 4, corners[0]);
-    return set_factor(t, &set);
+    if (!sight_cell(&t->sight, corners, t->x, all < 0 ? t->normal : NULL, 1, &set)) {
+        if (depth < CLIP_DEPTH_MAX) {
+            cell half = *c;
+
+            half.hs *= depth % 2 == 0 ? 0.5 : 1;
+            half.ht *= depth % 2 == 1 ? 0.5 : 1;
+            sum = seen_factor(t, &half, -1, depth + 1);
+            half.s0 += depth % 2 == 0 ? half.hs : 0;
+            half.t0 += depth % 2 == 1 ? half.ht : 0;
+            return sum + seen_factor(t, &half, -1, depth + 1);
+        }
+        (void)visible_start(&set, sight_centre_blocked(&t->sight, c) ? 0 : 4, corners[0]);
+    }
+    for (int i = 0; i < set.count; i++) {
+        const visible_piece *piece = &set.pieces[i];
+
+        if (i == 0 && all >= 0 && visible_is(piece, 4, corners[0]))
+            sum += all;
+        else
+            sum += piece->sign * lcor_factor_point(t->x, t->normal, (size_t)piece->n, piece->p[0]);
+    }
+    return fmax(sum, 0);
 }
 
-int transfer_factors(const lcor_scene *scene, const face *r, size_t n, double (*points)[3],
-                     const face *f, const cell *c, double *factors)
+double transfer_factor(const transfer *t, const cell *c)
 {
-    const double touch = SCENE_TOUCH * scene->diameter;
-    double corners[4][3], x[3][TRANSFER_POINTS], d[3];
+    return t->frame.height[0] > 0 ? seen_factor(t, c, -1, 0) : 0;
+}
 
-    face_cell_corners(f, c, corners);
-    for (int i = 0; i < 4; i++) {
-        vec_sub(corners[i], r->origin, d);
-        if (vec_dot(d, r->normal) < -touch)
-            return 0;
-    }
+void transfer_factors(transfer *t, size_t n, double (*points)[3], const cell *c, double *factors)
+{
+    const lcor_scene *scene = t->sight.scene;
+    double corners[4][3], x[3][TRANSFER_POINTS], d[3];
+    int cut;
+
+    face_cell_corners(t->f, c, corners);
+    cut = is_cut(t, points[0], corners);
     for (size_t i = 0; i < n; i++)
         for (int k = 0; k < 3; k++)
             x[k][i] = points[i][k];
-    scene->factor_points(n, x[0], x[1], x[2], r->normal, (const double(*)[3])corners, factors);
+    if (!cut)
+        scene->factor_points(n, x[0], x[1], x[2], t->normal, (const double(*)[3])corners, factors);
     for (size_t i = 0; i < n; i++) {
-        vec_sub(points[i], f->origin, d);
-        if (vec_dot(d, f->normal) <= 0)
+        vec_sub(points[i], t->f->origin, d);
+        if (!(vec_dot(d, t->f->normal) > 0)) {
             factors[i] = 0;
+        } else if (cut || t->sight.blocker_count > 0) {
+            transfer_aim(t, points[i]);
+            factors[i] = seen_factor(t, c, cut ? -1 : factors[i], 0);
+        }
     }
-    return 1;
 }

@@ -34,22 +34,24 @@ void transfer_target(transfer *t, const lcor_scene *scene, const double normal[3
 /* The point that looks: any number of them, one after the other. */
 void transfer_aim(transfer *t, const double x[3]);
 
-/* Irradiance at x = sum of weights[k] * radiosity at node k of the cell. Returns the exact form
- * factor to what is seen of it. */
-double transfer_weights(const transfer *t, const cell *c, float weights[RULE_Q]);
+/* Irradiance at x = sum of weights[k] * radiosity at node k of the cell; `exact` is the form factor
+ * to what is seen of it. */
+void transfer_weights(const transfer *t, const cell *c, double exact, float weights[RULE_Q]);
 
-/* The same for TRANSFER_LANES points that see the whole cell, of which the form factor is known. */
+/* The same for TRANSFER_LANES points that see the whole cell. */
 void transfer_open(const lcor_scene *scene, double (*x)[3], const double normal[3], const face *f,
                    const cell *c, double accuracy, const double *exact, float (*weights)[RULE_Q]);
 
 /* Exact form factor from x to what it sees of the cell. */
 double transfer_factor(const transfer *t, const cell *c);
 
-/* The same from n points (at most TRANSFER_POINTS) of face r to a cell that nothing hides. Returns
- * 0, and nothing, if the cell crosses the plane of r. */
+/* The same from n points (at most TRANSFER_POINTS) of one plane, many at once; aims at some. */
 enum { TRANSFER_POINTS = 24 };
-int transfer_factors(const lcor_scene *scene, const face *r, size_t n, double (*points)[3],
-                     const face *f, const cell *c, double *factors);
+void transfer_factors(transfer *t, size_t n, double (*points)[3], const cell *c, double *factors);
+
+/* Whether nothing hides any of the cell from any point of the plane through x, nor is any below its
+ * horizon. */
+int transfer_is_open(const transfer *t, const double x[3], const cell *c);
 
 /* The parameter q of the Bernstein ellipse along each axis in which 1/r^2 seen from x is analytic:
  * polynomials of order p on the cell come as close as q^-p, quadrature as q^-2p. Returns the

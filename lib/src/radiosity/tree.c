@@ -40,22 +40,19 @@ static double brightness(const links *l, size_t f, const double x[3])
 static void look_at_light(const links *l, links_element *e)
 {
     const face *f = links_face_of(l, e);
-    double value[RULE_Q], lowest = HUGE_VAL, highest = 0, worst = 0;
+    double x[RULE_Q][3], value[RULE_Q], lowest = HUGE_VAL, highest = 0, worst = 0;
 
+    links_nodes(l, e, x);
     for (int k = 0; k < RULE_Q; k++) {
-        double x[3];
-
-        face_point(f, e->c.s0 + rule_x[k / RULE_P] * e->c.hs,
-                   e->c.t0 + rule_x[k % RULE_P] * e->c.ht, x);
-        value[k] = brightness(l, e->face, x);
+        value[k] = brightness(l, e->face, x[k]);
         lowest = fmin(lowest, value[k]);
         highest = fmax(highest, value[k]);
     }
     for (int i = 0; i < 5; i++) {
-        double x[3], at_s[RULE_P], at_t[RULE_P], seen;
+        double at_s[RULE_P], at_t[RULE_P], seen;
 
-        face_point(f, e->c.s0 + test_s[i] * e->c.hs, e->c.t0 + test_t[i] * e->c.ht, x);
-        seen = brightness(l, e->face, x);
+        face_point(f, e->c.s0 + test_s[i] * e->c.hs, e->c.t0 + test_t[i] * e->c.ht, x[0]);
+        seen = brightness(l, e->face, x[0]);
         rule_values(test_s[i], at_s);
         rule_values(test_t[i], at_t);
         worst = fmax(worst, fabs(seen - rule_interpolate(value, at_s, at_t)));
@@ -159,6 +156,13 @@ int links_split(links *l, size_t element, int axis)
     links_at(l, element)->child = (int32_t)child;
     links_at(l, element)->axis = axis;
     return 1;
+}
+
+void links_nodes(const links *l, const links_element *e, double x[RULE_Q][3])
+{
+    for (int k = 0; k < RULE_Q; k++)
+        face_point(links_face_of(l, e), e->c.s0 + rule_x[k / RULE_P] * e->c.hs,
+                   e->c.t0 + rule_x[k % RULE_P] * e->c.ht, x[k]);
 }
 
 void links_region(const links *l, const links_element *e, region *out)
@@ -315,9 +319,9 @@ int links_init(links *l)
 
 void links_clear(links *l)
 {
-    lcor_array *arrays[] = {&l->faces,     &l->elements,  &l->list,       &l->blocks,
-                            &l->occluders, &l->scratch,   &l->irradiance, &l->radiosity,
-                            &l->source,    &l->deviation, &l->mean,       &l->work};
+    lcor_array *arrays[] = {&l->faces,     &l->elements, &l->list,       &l->blocks,    &l->factors,
+                            &l->occluders, &l->scratch,  &l->irradiance, &l->radiosity, &l->source,
+                            &l->deviation, &l->mean,     &l->work};
 
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         lcor_array_clear(&l->allocator, arrays[i]);
