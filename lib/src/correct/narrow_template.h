@@ -54,9 +54,11 @@ INNER unsigned ISA(shift_of_byte)(int i)
 
 STAGE void ISA(bytes_to_words)(const uint8_t *restrict rgb, uint32_t *restrict words)
 {
-    MOVE_EACH (j, LCOR_BLOCK - 1)
+    const size_t last = LCOR_BLOCK - 1;
+
+    MOVE_EACH (j, last)
         memcpy(&words[j], rgb + 3 * j, 4);
-    memcpy(&words[LCOR_BLOCK - 1], rgb + 3 * (LCOR_BLOCK - 1), 3);
+    memcpy(&words[last], rgb + 3 * last, 3);
 }
 
 /* lightness of codes, which cannot be bad. */
@@ -185,6 +187,7 @@ STAGE void ISA(interleave)(lcor_block *restrict b, float *restrict to)
 STAGE void ISA(interleave_bytes)(const lcor_block *restrict b, uint8_t *restrict to)
 {
     const float zero = ISA(limits).zero, one = ISA(limits).one;
+    const size_t last = LCOR_BLOCK - 1;
     uint32_t LCOR_ALIGNED words[LCOR_BLOCK];
 
     EACH (j, LCOR_BLOCK) {
@@ -195,9 +198,9 @@ STAGE void ISA(interleave_bytes)(const lcor_block *restrict b, uint8_t *restrict
                     << ISA(shift_of_byte)(i);
         words[j] = word;
     }
-    MOVE_EACH (j, LCOR_BLOCK - 1)
+    MOVE_EACH (j, last)
         memcpy(to + 3 * j, &words[j], 4);
-    memcpy(to + 3 * (LCOR_BLOCK - 1), &words[LCOR_BLOCK - 1], 3);
+    memcpy(to + 3 * last, &words[last], 3);
 }
 
 /* Above the knee 1.055 x^(1/2.4) - 0.055, as 1.055 w^(5/6) - 0.055 of w = sqrt(x): z ~ w^(-1/6)
