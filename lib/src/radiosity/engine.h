@@ -30,6 +30,9 @@ typedef struct engine {
      * where answers have no noise. */
     double (*estimate)(const lcor_solution *s, const double x[3], const double normal[3],
                        uint32_t surface, uint32_t samples, uint32_t seed, double *total);
+    /* Adds the part of the indirect irradiance that has none: light straight from emitters. */
+    void (*emitted)(const lcor_solution *s, const double x[3], const double normal[3],
+                    uint32_t surface, double *total);
 } engine;
 
 struct lcor_solution {

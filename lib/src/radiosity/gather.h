@@ -4,6 +4,7 @@
 #ifndef LCOR_RADIOSITY_GATHER_H
 #define LCOR_RADIOSITY_GATHER_H
 
+#include "radiosity/emitters.h"
 #include "radiosity/engine.h"
 #include "radiosity/gather_guide.h"
 #include "radiosity/gather_random.h"
@@ -91,8 +92,9 @@ typedef struct gather {
     const lcor_allocator *allocator;
     int channels;
     sobol sobol;
-    double *reflectance, *emission; /* per surface and channel */
-    double touch;                   /* rays start and end this far from surfaces */
+    double *reflectance, *emission; /* per surface and channel; what is emitted and exact is 0 */
+    emitter_set emitters;
+    double touch; /* rays start and end this far from surfaces */
 
     lcor_array planes, members; /* gather_plane; uint32_t: surfaces by plane */
     uint32_t *plane_of;         /* per surface */
@@ -193,7 +195,10 @@ typedef struct gather_spot {
     double st[2]; /* along the primitive's edges */
 } gather_spot;
 
-/* gather_path.c: first hit; 0 if there is none. */
+/* gather_path.c: what arrives straight at a place, from lights and from emitters that are exact. */
+void gather_straight(const gather *g, const double x[3], const double normal[3], uint32_t surface,
+                     double *out);
+/* The first hit; 0 if there is none. */
 int gather_trace(const gather *g, const gather_stand *from, const double direction[3],
                  gather_spot *spot);
 

@@ -83,10 +83,13 @@ uint64_t gather_bytes(const gather *g)
            g->slots * (size_t)g->channels * GATHER_TERMS * sizeof(double) * 10;
 }
 
-static void set_looks(gather *g)
+/* Returns 0 without memory. */
+static int set_looks(gather *g)
 {
     const light_set *lights = &g->solution->lights;
 
+    if (!emitters_find(&g->emitters, g->allocator, lights))
+        return 0;
     g->dark = 1;
     for (size_t i = 0; i < g->scene->lights.count; i++)
         for (int c = 0; c < g->channels; c++)
@@ -99,11 +102,12 @@ static void set_looks(gather *g)
             g->reflectance[i * (size_t)g->channels + (size_t)c] =
                 light_channel(lights, look->reflectance, c);
             g->emission[i * (size_t)g->channels + (size_t)c] =
-                light_channel(lights, look->emission, c);
+                g->emitters.exact ? 0 : light_channel(lights, look->emission, c);
             if (light_channel(lights, look->emission, c) > 0)
                 g->dark = 0;
         }
     }
+    return 1;
 }
 
 static lcor_status no_memory(lcor_error *err)
@@ -128,9 +132,9 @@ static lcor_status prepare(lcor_solution *s, lcor_error *err)
     sobol_init(&g->sobol);
     g->reflectance = lcor_internal_alloc(g->allocator, values * sizeof *g->reflectance);
     g->emission = lcor_internal_alloc(g->allocator, values * sizeof *g->emission);
-    if (!g->reflectance || !g->emission || !gather_list_prims(g) || !gather_find_planes(g))
+    if (!g->reflectance || !g->emission || !gather_list_prims(g) || !gather_find_planes(g) ||
+        !set_looks(g))
         return no_memory(err);
-    set_looks(g);
     return LCOR_OK;
 }
 
@@ -141,6 +145,7 @@ static void release(lcor_solution *s)
     if (!g)
         return;
     guide_clear(g);
+    emitters_clear(&g->emitters, g->allocator);
     lcor_array_clear(g->allocator, &g->planes);
     lcor_array_clear(g->allocator, &g->members);
     lcor_array_clear(g->allocator, &g->prims);
@@ -338,9 +343,7 @@ stopped:
 
 static lcor_status relight(lcor_solution *s, lcor_error *err)
 {
-    (void)err;
-    set_looks(s->state);
-    return LCOR_OK;
+    return set_looks(s->state) ? LCOR_OK : no_memory(err);
 }
 
 static void patches(const lcor_solution *s, size_t surface, lcor_value value, size_t first,
@@ -379,5 +382,13 @@ static double estimate(const lcor_solution *s, const double x[3], const double n
     return variance;
 }
 
+static void emitted(const lcor_solution *s, const double x[3], const double normal[3],
+                    uint32_t surface, double *total)
+{
+    const gather *g = s->state;
+
+    emitters_at(&g->emitters, x, normal, surface, total);
+}
+
 const engine engine_gather = {
-    LCOR_ENGINE_GATHER, 4, 4, prepare, release, solve, relight, patches, point, estimate};
+    LCOR_ENGINE_GATHER, 4, 4, prepare, release, solve, relight, patches, point, estimate, emitted};

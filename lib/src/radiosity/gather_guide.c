@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DEPTH_MAX = 5 };
+enum { DEPTH_MAX = 5, DEPTH_FOOT = 8, OPEN_RAYS = 16 };
 
 static const double pi = 3.14159265358979323846;
 
@@ -17,6 +17,8 @@ static const double pi = 3.14159265358979323846;
 static const double bright = 0.6;
 /* Variance that guiding must take away, of the irradiance squared, to be worth its rays. */
 static const double worth = 0.1;
+/* What stands nearer before a cell than this part of its width hides it. */
+static const double closeness = 0.25;
 /* Cells are split while their parts differ by this factor and they hold more than this part of
  * all brightness. */
 static const double uneven = 1.5, least_share = 1.0 / 512;
@@ -64,13 +66,48 @@ static double brightness_at(const gather *g, const guide_root *r, const double q
 
     root_place(r, q, x);
     root_normal(g, r, normal);
-    light_at(&g->solution->lights, x, normal, r->surface, direct);
+    gather_straight(g, x, normal, r->surface, direct);
     for (int c = 0; c < g->channels; c++)
         sum += emission[c] + rho[c] * direct[c];
     return sum / g->channels;
 }
 
-/* A first look at every primitive: n x n places. */
+/* The place of a root below a corner or the middle of an emitter that is nearer than the root is
+ * wide: it may be bright there and nowhere else. Returns 0 if there is none. */
+static int foot_of(const gather *g, const guide_root *r, const double x[3], const double facing[3],
+                   double q[2])
+{
+    scene_surface frame = *scene_surface_at(g->scene, r->surface);
+    double normal[3], d[3], st[2], height;
+
+    root_normal(g, r, normal);
+    vec_sub(x, r->origin, d);
+    height = vec_dot(d, normal);
+    if (!(height > 0 && height * height < r->area && vec_dot(normal, facing) < 0))
+        return 0;
+    vec_copy(r->origin, frame.origin);
+    vec_copy(r->edge_u, frame.edge_u);
+    vec_copy(r->edge_v, frame.edge_v);
+    lcor_scene_coordinates(&frame, x, &st[0], &st[1]);
+    if (!(st[0] >= 0 && st[1] >= 0 && (r->triangle ? st[0] + st[1] : fmax(st[0], st[1])) <= 1))
+        return 0;
+    edges_to_square(r->triangle, st, q);
+    return 1;
+}
+
+/* Brightness of the brightest foot in a square of a root; 0 without one. */
+static double brightest_foot(const gather *g, const guide_root *r, const double low[2], double size)
+{
+    double most = 0, x[3], facing[3], q[2];
+
+    for (size_t i = 0; emitters_point(&g->emitters, i, x, facing); i++)
+        if (foot_of(g, r, x, facing, q) && fabs(q[0] - low[0] - 0.5 * size) <= 0.5 * size &&
+            fabs(q[1] - low[1] - 0.5 * size) <= 0.5 * size)
+            most = fmax(most, brightness_at(g, r, q));
+    return most;
+}
+
+/* A first look at every primitive: n x n places, and the feet of emitters. */
 typedef struct survey {
     guide_root root;
     uint32_t prim;
@@ -79,7 +116,10 @@ typedef struct survey {
 
 static void look_at(const gather *g, survey *s, int n)
 {
-    s->mean = s->most = 0;
+    const double corner[2] = {0, 0};
+
+    s->mean = 0;
+    s->most = brightest_foot(g, &s->root, corner, 1);
     for (int i = 0; i < n * n; i++) {
         const double q[2] = {(i / n + 0.5) / n, (i % n + 0.5) / n};
         const double b = brightness_at(g, &s->root, q);
@@ -159,7 +199,8 @@ static int refine(gather *g, int32_t at, int depth, double all)
     guide *d = &g->guide;
     const guide_cell c = *cell_at(d, at);
     const guide_root r = *root_at(d, c.root);
-    double part[4], least = HUGE_VAL, most = 0, sum = 0;
+    const double foot = brightest_foot(g, &r, c.low, c.size);
+    double part[4], least = HUGE_VAL, most = foot, sum = 0;
     int32_t first = -1;
 
     for (int i = 0; i < 4; i++) {
@@ -172,7 +213,7 @@ static int refine(gather *g, int32_t at, int depth, double all)
         sum += part[i] / 4;
     }
     cell_at(d, at)->brightness = sum;
-    if (depth >= DEPTH_MAX || most <= uneven * least ||
+    if (depth >= (foot > 0 ? DEPTH_FOOT : DEPTH_MAX) || most <= uneven * least ||
         most * most * c.size * c.size * r.area <= least_share * all)
         return 1;
     for (int i = 0; i < 4; i++) {
@@ -235,6 +276,32 @@ static void set_target(gather *g, int number, int32_t cell)
     row->brightness[lane] = (float)(c->brightness / d->mean);
 }
 
+/* Part of a cell that is seen from afar: nothing stands close before it. */
+static double openness(const gather *g, const guide_cell *c)
+{
+    const guide_root *r = root_at(&g->guide, c->root);
+    uint32_t random = random_hash(c->root);
+    gather_stand stand;
+    int open = 0;
+
+    gather_stand_on(g, r->surface, r->back, &stand);
+    for (int i = 0; i < OPEN_RAYS; i++) {
+        double q[2], direction[3];
+        lcor_ray ray = {
+            .t_min = g->touch, .t_max = closeness * c->size * sqrt(r->area), .skip = r->surface};
+
+        for (int k = 0; k < 2; k++)
+            q[k] = c->low[k] + c->size * random_next(&random);
+        root_place(r, q, ray.origin);
+        random_cosine(random_next(&random), random_next(&random), direction);
+        for (int k = 0; k < 3; k++)
+            ray.direction[k] = direction[0] * stand.u[k] + direction[1] * stand.v[k] +
+                               direction[2] * stand.normal[k];
+        open += !lcor_bvh_occluded(g->scene->bvh, &ray, NULL);
+    }
+    return (double)open / OPEN_RAYS;
+}
+
 /* The brightest cells become targets: those that a cosine-weighted ray would find too seldom. */
 static int choose_targets(gather *g)
 {
@@ -245,10 +312,14 @@ static int choose_targets(gather *g)
     if (!ranks)
         return 0;
     for (size_t i = 0; i < d->cells.count; i++) {
-        const guide_cell *c = cell_at(d, (int32_t)i);
+        guide_cell *c = cell_at(d, (int32_t)i);
         const double area = c->size * c->size * root_at(d, c->root)->area;
 
-        if (c->child < 0 && c->brightness > bright * d->mean)
+        if (c->child >= 0 || !(c->brightness > bright * d->mean))
+            continue;
+        if (g->emitters.exact) /* what hangs close over the place it lights also hides it */
+            c->brightness *= openness(g, c);
+        if (c->brightness > 0)
             ranks[count++] = (rank){c->brightness * c->brightness * area, (int32_t)i};
     }
     qsort(ranks, count, sizeof *ranks, compare_ranks);

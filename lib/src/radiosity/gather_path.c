@@ -13,6 +13,13 @@ enum { DEPTH_MAX = 64 };
 
 static const double pi = 3.14159265358979323846;
 
+void gather_straight(const gather *g, const double x[3], const double normal[3], uint32_t surface,
+                     double *out)
+{
+    light_at(&g->solution->lights, x, normal, surface, out);
+    emitters_at(&g->emitters, x, normal, surface, out);
+}
+
 int gather_trace(const gather *g, const gather_stand *from, const double direction[3],
                  gather_spot *spot)
 {
@@ -81,7 +88,7 @@ static void add_guided(path *p, const gather_stand *stand, const guide_view *vie
     p->out->rays++;
     if (lcor_scene_blocked(g->scene, stand->x, target.x, stand->surface, NULL))
         return;
-    light_at(&g->solution->lights, target.x, target.normal, target.surface, direct);
+    gather_straight(g, target.x, target.normal, target.surface, direct);
     by_cosine = height * cosine / (pi * square * square); /* densities per area */
     by_guide = target.density;
     weight = by_cosine / (by_cosine + by_guide);
@@ -120,8 +127,7 @@ static void add_spot(path *p, const gather_spot *spot, double weight)
         return;
     }
     if (largest(g, rho) > 0)
-        light_at(&g->solution->lights, spot->stand.x, spot->stand.normal, spot->stand.surface,
-                 direct);
+        gather_straight(g, spot->stand.x, spot->stand.normal, spot->stand.surface, direct);
     for (int c = 0; c < g->channels; c++) {
         p->out->source[c] += p->out->through[c] * weight * (emission[c] + rho[c] * direct[c]);
         p->out->through[c] *= rho[c];

@@ -90,6 +90,8 @@ static void add_sample(const gather *g, const gather_query *q, const guide_view 
         vec_plane_point(q->patch, q->patch + 3, q->patch + 6, st[0], st[1], stand.x);
     }
     gather_sample_at(g, &stand, view, q->near, index, q->seed, &sample);
+    if (q->average)
+        emitters_at(&g->emitters, stand.x, stand.normal, stand.surface, s->value);
     for (int c = 0; c < g->channels; c++) {
         s->value[c] += gather_sample_value(g, &sample, g->field, c);
         for (int k = 0; k < GATHER_GROUPS && q->groups; k++)
@@ -153,6 +155,8 @@ uint64_t gather_answer(const gather *g, const gather_query *q, double *total, do
 
     if (g->dark)
         return 0;
+    if (!q->average)
+        emitters_at(&g->emitters, q->stand.x, q->stand.normal, q->stand.surface, total);
     if (guide_look(g, q->stand.x, q->stand.normal, expected_at(g, &q->stand, total), &view) &&
         look_out(g, q, &view, &s))
         guided = &view;

@@ -210,4 +210,4 @@ static void point(const lcor_solution *s, const double x[3], const double normal
 }
 
 const engine engine_links = {LCOR_ENGINE_LINKS, 64,      512,   prepare, release, solve,
-                             relight,           patches, point, NULL};
+                             relight,           patches, point, NULL,    NULL};

@@ -17,8 +17,8 @@ typedef struct cache_record {
     double x[3], normal[3], radius;
     double value[CACHE_CHANNELS], variance; /* of the mean over the channels */
     uint32_t samples;                       /* the value is the mean of */
-    double direct;                          /* mean over the channels */
-    double least;                           /* radius, about what the picture can show */
+    double exact; /* what no value holds, since it needs no estimate; mean over the channels */
+    double least; /* radius, about what the picture can show */
     uint32_t surface;
     int fenced; /* something stands between it and a record within its radius */
     int shrink; /* it does not fit with those around it */

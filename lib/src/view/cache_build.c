@@ -129,11 +129,14 @@ static size_t grid_rows(const placing *p)
 
 /* ---- what is needed ---- */
 
-static double direct_at(const placing *p, const place *at)
+/* What needs no estimate. */
+static double exact_at(const placing *p, const place *at)
 {
+    const lcor_solution *s = p->field->solution;
     double values[FIELD_CHANNELS_MAX], sum = 0;
 
-    lcor_solution_direct_at(p->field->solution, at->x, at->normal, (uint32_t)at->surface, values);
+    lcor_solution_direct_at(s, at->x, at->normal, (uint32_t)at->surface, values);
+    s->engine->emitted(s, at->x, at->normal, (uint32_t)at->surface, values);
     for (size_t c = 0; c < p->cache->channels; c++)
         sum += values[c] / (double)p->cache->channels;
     return sum;
@@ -159,7 +162,7 @@ static double samples_at(const placing *p, size_t piece, const place *at)
     cache_fit_at(p->cache, at->x, at->normal, 1, &fit);
     if (fit.count == 0)
         return dither(piece) < p->grid->share ? samples : 0;
-    scale = direct_at(p, at);
+    scale = exact_at(p, at);
     for (size_t c = 0; c < p->cache->channels; c++)
         scale += fit.value[c] / (double)p->cache->channels;
     scale = fmax(scale, p->cache->floor);
@@ -270,10 +273,11 @@ static void fill_record(void *arg, size_t i)
     lcor_solution_direct_at(s, r->x, r->normal, r->surface, total);
     for (size_t c = 0; c < p->cache->channels; c++)
         r->value[c] = total[c];
+    s->engine->emitted(s, r->x, r->normal, r->surface, r->value);
     r->variance = s->engine->estimate(s, r->x, r->normal, r->surface, r->samples,
                                       (uint32_t)(p->first + i), total);
     for (size_t c = 0; c < p->cache->channels; c++) {
-        r->direct += r->value[c] / (double)p->cache->channels;
+        r->exact += r->value[c] / (double)p->cache->channels;
         r->value[c] = total[c] - r->value[c];
     }
 }
@@ -290,7 +294,7 @@ static void shrink_record(void *arg, size_t i)
 {
     const placing *p = arg;
     cache_record *r = cache_record_at(p->cache, i);
-    double total = r->direct, differs = 0;
+    double total = r->exact, differs = 0;
     cache_fit whole, half;
 
     cache_fit_at(p->cache, r->x, r->normal, 1, &whole);
@@ -333,7 +337,7 @@ static void set_floor(placing *p)
     for (size_t i = 0; i < cache->records.count; i++) {
         const cache_record *r = cache_record_at(cache, i);
 
-        sum += r->direct;
+        sum += r->exact;
         for (size_t c = 0; c < cache->channels; c++)
             sum += r->value[c] / (double)cache->channels;
     }

@@ -149,13 +149,14 @@ static int cells_at(const lcor_field *field, size_t surface, const double uv[2],
 }
 
 /* Returns 0 where no record tells, as may be beyond the limit on samples. */
-static int cache_at(const lcor_field *field, const double x[3], const double normal[3],
-                    double *indirect)
+static int cache_at(const lcor_field *field, size_t surface, const double x[3],
+                    const double normal[3], double *indirect)
 {
     cache_fit fit;
 
     cache_fit_at(&field->cache, x, normal, 1, &fit);
     memcpy(indirect, fit.value, sizeof fit.value);
+    field->solution->engine->emitted(field->solution, x, normal, (uint32_t)surface, indirect);
     return fit.count > 0;
 }
 
@@ -181,7 +182,7 @@ lcor_status lcor_field_at(const lcor_field *field, size_t surface, size_t n, con
                         point);
         lcor_solution_direct_at(field->solution, point, normal, (uint32_t)surface, straight);
         if (total &&
-            !(field->solution->engine->estimate ? cache_at(field, point, normal, indirect)
+            !(field->solution->engine->estimate ? cache_at(field, surface, point, normal, indirect)
                                                 : cells_at(field, surface, uv + 2 * i, indirect)))
             ask_solution(field, surface, point, normal, straight, indirect);
         for (size_t c = 0; c < channels; c++) {
