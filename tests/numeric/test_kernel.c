@@ -89,6 +89,49 @@ static void srgb_is_within_1_5e_7(void **state)
     }
 }
 
+/* Stored values of 0..1 as floats, and all of 16 bits; relative, as dark colours count too. */
+static void srgb_is_read_within_6e_7(void **state)
+{
+    lcor_colour colour;
+    const lcor_kernel *kernel;
+
+    (void)state;
+    lcor_colour_init(&colour, LCOR_PRIMARIES_SRGB, NULL, LCOR_TRANSFER_SRGB, 1.0,
+                     LCOR_LIGHTNESS_CIE, NULL);
+    for (int type = 0; type < 2; type++) {
+        lcor_plan_options o = plain_options(type == 0 ? LCOR_F32 : LCOR_U16);
+        const double unit = type == 0 ? 1.0 : 65535.0, step = type == 0 ? 0x1p-20 : 1.0;
+        lcor_plan *plan;
+
+        o.colour = &colour;
+        plan = make_plan(&o);
+        for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
+            double worst = 0.0;
+            float c[LCOR_BLOCK];
+
+            for (double at = step; at <= unit; at += LCOR_BLOCK * step) {
+                for (int j = 0; j < LCOR_BLOCK; j++)
+                    c[j] = (float)fmin(at + j * step, unit);
+                kernel->from_srgb(&plan->k.srgb, c);
+                for (int j = 0; j < LCOR_BLOCK; j++) {
+                    const double x = fmin(at + j * step, unit) / unit;
+                    const double y = x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4);
+
+                    worst = fmax(worst, fabs((double)c[j] - y) / y);
+                }
+            }
+            print_message("%s: sRGB read, relative %.3g\n", kernel->name, worst);
+            assert_true(worst < 6e-7);
+            assert_true(c[LCOR_BLOCK - 1] == 1.0f); /* white */
+            c[0] = -1.0f;
+            c[1] = INFINITY;
+            assert_true(kernel->from_srgb(&plan->k.srgb, c) != 0); /* told */
+            assert_true(c[0] == 0.0f && c[1] > 1e6f && c[1] < 1e30f);
+        }
+        lcor_plan_free(plan);
+    }
+}
+
 /* Pixels of the two distributions the bounds are claimed for: random, and a sweep of 101 levels a
  * channel with the light running through the whole displayable range and beyond. */
 static size_t fill(int sweep, float *rgb, float *light)
@@ -366,6 +409,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(f_is_within_9_1e_8),
                                        cmocka_unit_test(srgb_is_within_1_5e_7),
+                                       cmocka_unit_test(srgb_is_read_within_6e_7),
                                        cmocka_unit_test(float_pixels_follow_double),
                                        cmocka_unit_test(grazing_and_yellow_pixels_follow_double),
                                        cmocka_unit_test(codes_are_at_most_one_off),

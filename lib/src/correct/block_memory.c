@@ -154,7 +154,7 @@ void lcor_internal_to_device(const lcor_plan *plan, float values[LCOR_BLOCK])
     else if (plan->colour.transfer == LCOR_TRANSFER_SRGB)
         plan->kernel->to_srgb(values);
     else if (plan->colour.transfer != LCOR_TRANSFER_LINEAR)
-        plan->kernel->transfer(&plan->k.encode, values);
+        plan->kernel->power(&plan->k.encode, values);
 }
 
 /* to[j step] = from[j], m samples */

@@ -59,7 +59,9 @@ static int light(const lcor_row_job *job, size_t at, size_t m, size_t *bad, lcor
     if (bad != NULL)
         *bad = lcor_internal_replace_bad(job, at, m, b->c, b);
     for (size_t k = 0; p->decode_by_power && k < 3; k++)
-        suspect |= p->kernel->transfer(&p->k.decode, b->c[k]);
+        suspect |= p->colour.transfer == LCOR_TRANSFER_SRGB
+                       ? p->kernel->from_srgb(&p->k.srgb, b->c[k])
+                       : p->kernel->power(&p->k.decode, b->c[k]);
     return suspect | p->kernel->lightness_of_planes(&p->k, b);
 }
 

@@ -51,7 +51,8 @@ typedef struct limits {
 #define KERNEL(set, few)                                                                           \
     static const lcor_kernel kernel_##set = {#set,                                                 \
                                              maps_##few,                                           \
-                                             transfer_##set,                                       \
+                                             power_##few,                                          \
+                                             from_srgb_##few,                                      \
                                              to_srgb_##few,                                        \
                                              lightness_##set,                                      \
                                              lightness_of_planes_##few,                            \

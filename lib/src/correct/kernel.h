@@ -22,11 +22,15 @@ enum { LCOR_BLOCK = 128, LCOR_LANES = 16 };
 #define LCOR_ALIGNED
 #endif
 
-/* x clamped to 0..top; x <= knee: slope x; else scale (in_scale x + in_offset)^exponent + offset */
+/* (scale x)^exponent of x clamped to 0..top */
 typedef struct lcor_power {
-    float top, knee, slope;
-    float in_scale, in_offset, exponent, scale, offset;
+    float top, scale, exponent;
 } lcor_power;
+
+/* What sRGB stores: of x clamped to 0..top, slope x up to the knee, else (scale x + offset)^2.4. */
+typedef struct lcor_srgb {
+    float top, knee, slope, scale, offset;
+} lcor_srgb;
 
 /* Constants of a plan for the float path. */
 typedef struct lcor_kernel_constants {
@@ -41,7 +45,8 @@ typedef struct lcor_kernel_constants {
     float slope_texel;
     float ratio;               /* of section 5.2 */
     float over_rho;            /* ratio over the plan's rho */
-    lcor_power decode, encode; /* the transfer function */
+    lcor_srgb srgb;            /* the transfer function ... */
+    lcor_power decode, encode; /* ... or gamma */
 } lcor_kernel_constants;
 
 /* Planes of one block; ends of short ones are padded with black. */
@@ -72,7 +77,8 @@ typedef struct lcor_kernel {
     const char *name;
     /* T and v; rho may be NULL */
     int (*maps)(const lcor_plan *plan, const float *illuminance, const float *rho, lcor_block *b);
-    int (*transfer)(const lcor_power *p, float *c);
+    int (*power)(const lcor_power *p, float *c);
+    int (*from_srgb)(const lcor_srgb *s, float *c);
     void (*to_srgb)(float *c); /* linear values as sRGB stores them, clamped */
     /* X Y Z and Ynew from pixels of three samples; from RGB in b->c; or what a texture leaves */
     int (*lightness)(const lcor_kernel_constants *k, const float *rgb, lcor_block *b);

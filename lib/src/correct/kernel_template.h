@@ -25,29 +25,6 @@ INNER uint32_t ISA(doubt_of_three)(float x, float y, float z)
 
 INNER int ISA(is_suspect)(uint32_t worst) { return worst >= (POOR ? 0x80000000u : 0x5F800000u); }
 
-/* A transfer function, or its inverse: a straight line up to a knee, then a power. */
-STAGE int ISA(transfer)(const lcor_power *p, float *restrict c)
-{
-    const lcor_power q = *p;
-    const float zero = ISA(limits).zero, tiny = ISA(limits).tiny;
-    float LCOR_ALIGNED y[LCOR_BLOCK];
-    uint32_t worst = 0;
-
-    EACH (j, LCOR_BLOCK) {
-        const float x = ISA(at_most)(ISA(at_least)(c[j], zero), q.top);
-
-        worst = ISA(larger)(worst, ISA(doubt)(c[j]));
-        y[j] = ISA(log_power)(ISA(at_least)(x * q.in_scale + q.in_offset, tiny), q.exponent);
-        c[j] = x;
-    }
-    EACH (j, LCOR_BLOCK) {
-        const float x = c[j], power = x > 0.0f ? ISA(exp2)(y[j]) : 0.0f;
-
-        c[j] = x > q.knee ? q.scale * power + q.offset : x * q.slope;
-    }
-    return ISA(is_suspect)(worst);
-}
-
 /* Linear RGB of pixel j to X, Y, Z over white; Ynew. Returns doubt of it. */
 INNER uint32_t ISA(light)(const lcor_kernel_constants *k, float zero, float one, float r, float g,
                           float bl, size_t j, lcor_block *b)

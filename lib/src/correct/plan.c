@@ -97,26 +97,17 @@ static LCOR_COLD void digest(lcor_plan *p, const lcor_plan_options *o)
 static int is_moderate(double x) { return x == 0.0 || (x > 1e-25 && x < 1e25); }
 
 /* Stored values are `unit` times 0..1. */
-static LCOR_COLD void set_transfer(const lcor_colour *c, float unit, lcor_kernel_constants *k)
+static LCOR_COLD void set_transfer(const lcor_colour *c, double unit, lcor_kernel_constants *k)
 {
-    const float huge = 18446744073709551616.0f; /* 2^64 */
-    const float g = (float)c->gamma, over_g = (float)(1.0 / c->gamma);
-
-    if (c->transfer == LCOR_TRANSFER_SRGB) {
-        k->decode = (lcor_power){.top = huge,
-                                 .knee = 0.04045f,
-                                 .slope = 1.0f / 12.92f,
-                                 .in_scale = 1.0f / 1.055f,
-                                 .in_offset = 0.055f / 1.055f,
-                                 .exponent = 2.4f,
-                                 .scale = 1.0f};
-    } else {
-        k->decode = (lcor_power){.top = huge, .in_scale = 1.0f, .exponent = g, .scale = 1.0f};
-        k->encode = (lcor_power){.top = 1.0f, .in_scale = 1.0f, .exponent = over_g, .scale = 1.0f};
-    }
-    k->decode.knee *= unit;
-    k->decode.slope /= unit;
-    k->decode.in_scale /= unit;
+    k->srgb = (lcor_srgb){.top = (float)(1e12 * unit), /* its power stays far from infinity */
+                          .knee = (float)(0.04045 * unit),
+                          .slope = (float)(1.0 / 12.92 / unit),
+                          .scale = (float)(1.0 / 1.055 / unit),
+                          .offset = 0.055f / 1.055f};
+    k->decode = (lcor_power){.top = 18446744073709551616.0f, /* 2^64 */
+                             .scale = (float)(1.0 / unit),
+                             .exponent = (float)c->gamma};
+    k->encode = (lcor_power){.top = 1.0f, .scale = 1.0f, .exponent = (float)(1.0 / c->gamma)};
 }
 
 /* Constants of the float path; in_double stays where that path would lose accuracy. */
@@ -148,7 +139,7 @@ static LCOR_COLD void prepare_kernel(lcor_plan *p)
     k->w = p->reading == LCOR_READING_TEXEL ? k->offset : 0.0f;
     k->ratio = (float)p->rho_ratio;
     k->over_rho = (float)(p->rho_ratio / p->rho);
-    set_transfer(&p->colour, (float)unit, k);
+    set_transfer(&p->colour, unit, k);
     p->decode_by_power = !linear && p->in_type != LCOR_U8;
     p->float_maps = p->map_type == LCOR_F32 && p->exponent == 1.0 && !steep && is_moderate(slope);
     if (p->float_maps) {
