@@ -7,41 +7,44 @@
 
 enum { PLANES_MAX = 48 };
 
-/* Convex hull of what light may cross, as planes with outward normals; not all of them are needed
- * to be right, since a surface is only dropped when one plane has it outside. */
+typedef struct shaft_plane { /* light crosses only where x . outward <= offset */
+    double outward[3], offset, touch;
+} shaft_plane;
+
+/* Convex hull of what light may cross, as planes; not all of them are needed, since a surface is
+ * only dropped when one plane has it outside. */
 typedef struct shaft {
     int count;
-    double point[PLANES_MAX][3], outward[PLANES_MAX][3];
+    shaft_plane planes[PLANES_MAX];
 } shaft;
 
-static void add_plane(shaft *s, const double point[3], const double normal[3], double sign)
+/* `normal` of any length: points nearer than touch times it count as on the plane. */
+static void add_plane(shaft *s, const double point[3], const double normal[3], double sign,
+                      double touch)
 {
+    shaft_plane *p = &s->planes[s->count];
+
     if (s->count == PLANES_MAX)
         return;
-    for (int k = 0; k < 3; k++) {
-        s->point[s->count][k] = point[k];
-        s->outward[s->count][k] = sign * normal[k];
-    }
+    for (int k = 0; k < 3; k++)
+        p->outward[k] = sign * normal[k];
+    p->offset = vec_dot(point, p->outward);
+    p->touch = touch;
     s->count++;
 }
 
-/* Side on which four points lie: +1, -1, 0 if on both; points within touch lie on either. */
-static int side_of(const double (*p)[3], const double point[3], const double normal[3],
-                   double touch)
+/* +1 if none of the corners is below the plane, -1 if none is above, 0 if it cuts them. */
+static int side_of(const region *r, const double normal[3], double offset, double touch)
 {
-    double lowest = 0, highest = 0;
+    int above = 0, below = 0;
 
     for (int i = 0; i < 4; i++) {
-        double d[3], h;
+        const double h = vec_dot(r->corners[i], normal) - offset;
 
-        vec_sub(p[i], point, d);
-        h = vec_dot(d, normal);
-        lowest = h < lowest ? h : lowest;
-        highest = h > highest ? h : highest;
+        above |= h > touch;
+        below |= h < -touch;
     }
-    if (lowest < -touch)
-        return highest > touch ? 0 : -1;
-    return 1;
+    return !below ? 1 : -!above;
 }
 
 /* Planes through edges of a and corners of b that have both on one side. */
@@ -52,22 +55,24 @@ static void add_edge_planes(shaft *s, const region *a, const region *b, double t
         double edge[3];
 
         vec_sub(q, p, edge);
+        if (!(vec_dot(edge, edge) > 0))
+            continue;
         for (int j = 0; j < 4; j++) {
-            double d[3], normal[3], slack;
-            int mine;
+            double d[3], normal[3], offset, slack;
+            int side;
 
             vec_sub(b->corners[j], p, d);
             vec_cross(edge, d, normal);
             slack = touch * vec_length(normal); /* most planes are not worth dividing for */
-            mine = side_of((const double(*)[3])a->corners, p, normal, slack);
-            if (mine != 0 && side_of((const double(*)[3])b->corners, p, normal, slack) == mine &&
-                vec_normalize(normal) > 0)
-                add_plane(s, p, normal, -mine);
+            offset = vec_dot(p, normal);
+            side = side_of(a, normal, offset, slack);
+            if (slack > 0 && side != 0 && side_of(b, normal, offset, slack) == side)
+                add_plane(s, p, normal, -side, slack);
         }
     }
 }
 
-static void add_box(shaft *s, const region *a, const region *b)
+static void add_box(shaft *s, const region *a, const region *b, double touch)
 {
     for (int k = 0; k < 3; k++) {
         double lo[3], hi[3], axis[3] = {0, 0, 0};
@@ -79,8 +84,8 @@ static void add_box(shaft *s, const region *a, const region *b)
             lo[k] = fmin(lo[k], fmin(a->corners[i][k], b->corners[i][k]));
             hi[k] = fmax(hi[k], fmax(a->corners[i][k], b->corners[i][k]));
         }
-        add_plane(s, lo, axis, -1);
-        add_plane(s, hi, axis, 1);
+        add_plane(s, lo, axis, -1, touch);
+        add_plane(s, hi, axis, 1, touch);
     }
 }
 
@@ -90,30 +95,21 @@ const uint32_t *occluders_of(const lcor_scene *scene, int single, size_t *count)
     return single ? scene->shapes.items : scene->blockers.items;
 }
 
-static int behind(const lcor_scene *scene, const scene_surface *o, const double point[3],
-                  const double outward[3], double touch)
+/* Whether one plane of the shaft, from number `first` on, has all of the blocker outside. */
+static int outside(const shaft *s, int first, const lcor_scene *scene, uint32_t id)
 {
-    const double *corners = scene_corners(scene, o);
-
-    for (size_t j = 0; j < o->corner_count; j++) {
-        double d[3];
-
-        vec_sub(corners + 3 * j, point, d);
-        if (vec_dot(d, outward) < -touch)
-            return 0;
-    }
-    return 1;
-}
-
-/* Whether one plane of the shaft has all of the blocker on its outer side. */
-static int outside(const shaft *s, const lcor_scene *scene, uint32_t id, double touch)
-{
-    for (int i = 0; i < s->count; i++) {
+    for (int i = first; i < s->count; i++) {
+        const shaft_plane *plane = &s->planes[i];
+        const double lowest = plane->offset - plane->touch;
         const scene_surface *o;
         int out = 1;
 
-        for (size_t k = 0; out && (o = scene_blocker_part(scene, id, k)); k++)
-            out = behind(scene, o, s->point[i], s->outward[i], touch);
+        for (size_t k = 0; out && (o = scene_blocker_part(scene, id, k)); k++) {
+            const double *corners = scene_corners(scene, o);
+
+            for (size_t j = 0; out && j < o->corner_count; j++)
+                out = vec_dot(corners + 3 * j, plane->outward) >= lowest;
+        }
         if (out)
             return 1;
     }
@@ -180,35 +176,50 @@ static int crosses(const lcor_scene *scene, uint32_t id, const double p[3], cons
     return 1;
 }
 
-/* A convex blocker crossed by all sixteen segments between corners crosses every segment. */
+/* Of the sixteen segments between corners the blocker, which is convex, crosses: 1 all, and so
+ * every one between the regions, -1 none, 0 some. */
 static int blocks(const lcor_scene *scene, uint32_t id, const region *a, const region *b,
                   double touch)
 {
-    for (int i = 0; i < 16; i++)
-        if (!crosses(scene, id, a->corners[i / 4], b->corners[i % 4], touch))
+    int crossed = 0;
+
+    for (int i = 0; i < 16; i++) {
+        crossed += crosses(scene, id, a->corners[i / 4], b->corners[i % 4], touch);
+        if (crossed > 0 && crossed <= i)
             return 0;
-    return 1;
+    }
+    return crossed > 0 ? 1 : -1;
 }
 
 long occluders_between(const lcor_scene *scene, const region *a, const region *b,
                        const uint32_t *in, size_t count, uint32_t *out, size_t room)
 {
     const double touch = SCENE_TOUCH * scene->diameter;
-    shaft s = {0};
+    int edges = 0, box;
     long kept = 0;
+    shaft s;
 
-    add_plane(&s, a->corners[0], a->normal, -1);
-    add_plane(&s, b->corners[0], b->normal, -1);
-    add_box(&s, a, b);
-    add_edge_planes(&s, a, b, touch);
-    add_edge_planes(&s, b, a, touch);
+    s.count = 0;
+    add_plane(&s, a->corners[0], a->normal, -1, touch);
+    add_plane(&s, b->corners[0], b->normal, -1, touch);
+    add_box(&s, a, b, touch);
+    box = s.count;
     for (size_t i = 0; i < count; i++) {
         const uint32_t id = in[i];
+        int block;
 
-        if (outside(&s, scene, id, touch))
+        if (outside(&s, 0, scene, id))
             continue;
-        if (blocks(scene, id, a, b, touch))
+        block = blocks(scene, id, a, b, touch);
+        if (block > 0)
             return OCCLUDERS_BLOCK;
+        if (block < 0 && !edges) { /* needed after all */
+            edges = 1;
+            add_edge_planes(&s, a, b, touch);
+            add_edge_planes(&s, b, a, touch);
+            if (outside(&s, box, scene, id))
+                continue;
+        }
         if ((size_t)kept == room)
             return OCCLUDERS_CROWD;
         out[kept++] = id;
@@ -237,15 +248,22 @@ long occluders_of_light(const lcor_scene *scene, const lcor_light *light, const 
 {
     const double touch = SCENE_TOUCH * scene->diameter;
     const int parallel = light->kind == LCOR_LIGHT_DIRECTIONAL;
-    shaft s = {0};
+    shaft s;
     long kept = 0;
     double middle[3] = {0, 0, 0};
 
+    s.count = 0;
     for (int i = 0; i < 4; i++)
         vec_add_scaled(middle, 0.25, a->corners[i], middle);
-    add_plane(&s, a->corners[0], a->normal, -1);
-    if (!parallel)
-        add_plane(&s, light->position, a->normal, 1);
+    add_plane(&s, a->corners[0], a->normal, -1, touch);
+    if (!parallel) {
+        region eye;
+
+        for (int i = 0; i < 4; i++)
+            vec_copy(light->position, eye.corners[i]);
+        add_plane(&s, light->position, a->normal, 1, touch);
+        add_box(&s, a, &eye, touch);
+    }
     for (int i = 0; i < 4; i++) {
         double edge[3], towards[3], normal[3], d[3];
 
@@ -258,12 +276,12 @@ long occluders_of_light(const lcor_scene *scene, const lcor_light *light, const 
         if (!(vec_normalize(normal) > 0))
             continue;
         vec_sub(middle, a->corners[i], d);
-        add_plane(&s, a->corners[i], normal, vec_dot(d, normal) > 0 ? -1 : 1);
+        add_plane(&s, a->corners[i], normal, vec_dot(d, normal) > 0 ? -1 : 1, touch);
     }
     for (size_t i = 0; i < count; i++) {
         const uint32_t id = in[i];
 
-        if (outside(&s, scene, id, touch))
+        if (outside(&s, 0, scene, id))
             continue;
         if (light_blocks(scene, id, light, a, 4 * scene->diameter, touch))
             return OCCLUDERS_BLOCK;
