@@ -22,7 +22,7 @@ typedef struct belt {
     size_t taken;                       /* bands that workers have asked for */
     size_t usable;                      /* bands before the first one that failed */
     pthread_mutex_t lock;
-    pthread_cond_t changed;
+    pthread_cond_t changed[GONE]; /* one for those who wait for a band that is EMPTY, FULL, DONE */
 } belt;
 
 typedef struct worker {
@@ -59,9 +59,12 @@ static void settle(belt *b, size_t i, enum stage stage, bool good)
 {
     pthread_mutex_lock(&b->lock);
     b->reached[i % b->slots] = GONE * (i / b->slots) + stage;
-    if (!good && i < b->usable)
+    pthread_cond_broadcast(&b->changed[stage % GONE]);
+    if (!good && i < b->usable) {
         b->usable = i;
-    pthread_cond_broadcast(&b->changed);
+        for (int s = EMPTY; s < GONE; s++)
+            pthread_cond_broadcast(&b->changed[s]);
+    }
     pthread_mutex_unlock(&b->lock);
 }
 
@@ -70,7 +73,7 @@ static bool await(belt *b, size_t i, enum stage stage)
 {
     pthread_mutex_lock(&b->lock);
     while (i < b->usable && b->reached[i % b->slots] != GONE * (i / b->slots) + stage)
-        pthread_cond_wait(&b->changed, &b->lock);
+        pthread_cond_wait(&b->changed[stage], &b->lock);
     const bool usable = i < b->usable;
     pthread_mutex_unlock(&b->lock);
     return usable;
@@ -163,9 +166,11 @@ bool pipeline_run(const pipeline *p, bool *no_memory)
         good = fill(&b, 0) && p->work(p->user, 0, &b.bands[0]) && p->empty(p->user, &b.bands[0]);
     } else if (!*no_memory) {
         pthread_mutex_init(&b.lock, NULL);
-        pthread_cond_init(&b.changed, NULL);
+        for (int s = EMPTY; s < GONE; s++)
+            pthread_cond_init(&b.changed[s], NULL);
         *no_memory = !run_threads(&b, &good);
-        pthread_cond_destroy(&b.changed);
+        for (int s = EMPTY; s < GONE; s++)
+            pthread_cond_destroy(&b.changed[s]);
         pthread_mutex_destroy(&b.lock);
     }
     for (size_t i = 0; i < b.slots; i++)
