@@ -4,9 +4,11 @@
 #include "filter.h"
 #include "raster.h"
 
+#include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 int LLVMFuzzerInitialize(int *argc, char ***argv);
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -50,6 +52,22 @@ static ssize_t write_nowhere(void *context, unsigned char *buffer, size_t size)
         sum ^= buffer[i];
     *written += size + (sum & 0u);
     return (ssize_t)size;
+}
+
+/* Light that hardly changes, that changes fast, and that is no number. */
+static illuminance_map open_map(void)
+{
+    static const float light[] = {0.5f, 0.501f, 0.503f, 0.504f, 2.0f, NAN};
+    static const char header[] = "Pf\n2 3\n-1\n";
+    char path[] = "/tmp/fuzz_rasterXXXXXX";
+    illuminance_map map;
+    const int fd = mkstemp(path);
+    if (fd < 0 || write(fd, header, sizeof header - 1) < 0 || write(fd, light, sizeof light) < 0 ||
+        !illuminance_open(&map, path))
+        abort();
+    close(fd);
+    unlink(path);
+    return map;
 }
 
 #ifdef LCOR_LIBFUZZER
@@ -123,6 +141,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     if (size == 0)
         return 0;
+    static illuminance_map map;
+    if (map.width == 0)
+        map = open_map();
     filter_job job = {.correct = (data[0] & 1) == 0,
                       .two_passes = (data[0] & 2) != 0,
                       .reading = data[0] & 4 ? LCOR_READING_TEXEL : LCOR_READING_PATCH,
@@ -132,6 +153,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                       .exponent = 1.0,
                       .r_mean = 1.0,
                       .map.fd = -1};
+    if (data[0] & 16)
+        job.map = map;
     input in = {data + 1, size - 1, 0};
     size_t written = 0;
     const bool good = filter_run(&job, read_input, &in, write_nowhere, &written);
