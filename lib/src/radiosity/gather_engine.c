@@ -197,7 +197,8 @@ static void describe(lcor_solution *s)
                    "final gathering; %lu surfaces in %lu planes, fields on %lu sides; %d bright "
                    "places; %d channel%s",
                    (unsigned long)g->scene->surfaces.count, (unsigned long)g->planes.count,
-                   (unsigned long)fields, g->guide.count, g->channels, g->channels == 1 ? "" : "s");
+                   (unsigned long)fields, g->guide.targets[GUIDE_FINE].count, g->channels,
+                   g->channels == 1 ? "" : "s");
 }
 
 /* The root mean square of the error that leaves the promised one, of the worst place or by the

@@ -190,7 +190,7 @@ static const guide_view *leaf_view(const gather *g, const gather_leaf *leaf, gui
     double at[2];
 
     gather_leaf_stand(g, leaf, 0.5, 0.5, at, &stand);
-    return guide_look(g, stand.x, stand.normal, g->mean, view) ? view : NULL;
+    return guide_look(g, stand.x, stand.normal, g->mean, GUIDE_FINE, view) ? view : NULL;
 }
 
 /* Rays read the field from afar. By reciprocity a place is read as often as a ray from it gets that

@@ -13,8 +13,8 @@ enum { DEPTH_MAX = 5, DEPTH_FOOT = 8, OPEN_RAYS = 16 };
 
 static const double pi = 3.14159265358979323846;
 
-/* Brighter than the mean by this factor: worth a look of its own. */
-static const double bright = 0.6;
+/* Darker than this part of the mean: not worth a look of its own. */
+static const double bright = 0.05;
 /* Variance that guiding must take away, of the irradiance squared, to be worth its rays. */
 static const double worth = 0.1;
 /* What stands nearer before a cell than this part of its width hides it. */
@@ -22,6 +22,9 @@ static const double closeness = 0.25;
 /* Cells are split while their parts differ by this factor and they hold more than this part of
  * all brightness. */
 static const double uneven = 1.5, least_share = 1.0 / 512;
+/* A coarse target's part of all power at most, unless there are no smaller cells. */
+static const double coarse_share = 1.0 / 64;
+static const size_t most_targets[GUIDE_DETAILS] = {128, GUIDE_TARGETS};
 
 /* The inverse of gather_square_to_edges. */
 static void edges_to_square(int triangle, const double st[2], double q[2])
@@ -189,7 +192,7 @@ static int32_t add_cell(gather *g, uint32_t root, double s, double t, double siz
 
     if (!c)
         return -1;
-    *c = (guide_cell){root, {s, t}, size, -1, -1, 0};
+    *c = (guide_cell){root, {s, t}, size, -1, {-1, -1}, 0};
     return (int32_t)d->cells.count++;
 }
 
@@ -253,19 +256,24 @@ static int compare_cells(const void *a, const void *b)
     return p->cell < q->cell ? -1 : p->cell > q->cell;
 }
 
-static void set_target(gather *g, int number, int32_t cell)
+static double cell_area(const guide *d, const guide_cell *c)
+{
+    return c->size * c->size * root_at(d, c->root)->area;
+}
+
+static void set_target(gather *g, guide_detail detail, int number, int32_t cell)
 {
     guide *d = &g->guide;
     guide_cell *c = cell_at(d, cell);
     const guide_root *r = root_at(d, c->root);
     const double q[2] = {c->low[0] + 0.5 * c->size, c->low[1] + 0.5 * c->size};
-    const double scale = 1 / g->scene->diameter, area = c->size * c->size * r->area;
-    guide_row *row = &d->rows[number / GUIDE_LANES];
+    const double scale = 1 / g->scene->diameter, area = cell_area(d, c);
+    guide_row *row = &d->targets[detail].rows[number / GUIDE_LANES];
     const int lane = number % GUIDE_LANES;
     double centre[3], normal[3];
 
-    c->target = number;
-    d->targets[number] = (guide_target){area, cell};
+    c->target[detail] = number;
+    d->targets[detail].items[number] = (guide_target){area, cell};
     root_place(r, q, centre);
     root_normal(g, r, normal);
     for (int k = 0; k < 3; k++) {
@@ -302,34 +310,75 @@ static double openness(const gather *g, const guide_cell *c)
     return (double)open / OPEN_RAYS;
 }
 
+/* Adds the cells below that are not split or of no more power than `most`. */
+static size_t list_cells(const guide *d, int32_t at, double most, rank *out)
+{
+    const guide_cell *c = cell_at(d, at);
+    const double power = c->brightness * cell_area(d, c);
+    size_t count = 0;
+
+    if (c->child < 0 || power <= most) {
+        if (!(c->brightness > bright * d->mean))
+            return 0;
+        out[0] = (rank){c->brightness * power, at};
+        return 1;
+    }
+    for (int i = 0; i < 4; i++)
+        count += list_cells(d, c->child + i, most, out + count);
+    return count;
+}
+
 /* The brightest cells become targets: those that a cosine-weighted ray would find too seldom. */
-static int choose_targets(gather *g)
+static void choose_targets(gather *g, guide_detail detail, double most, rank *ranks)
+{
+    guide *d = &g->guide;
+    guide_targets *t = &d->targets[detail];
+    size_t count = 0;
+
+    for (size_t i = 0; i < d->roots.count; i++)
+        count += list_cells(d, root_at(d, i)->cell, most, ranks + count);
+    qsort(ranks, count, sizeof *ranks, compare_ranks);
+    t->count = count < most_targets[detail] ? (int)count : (int)most_targets[detail];
+    qsort(ranks, (size_t)t->count, sizeof *ranks, compare_cells); /* neighbours side by side */
+    t->row_count = (t->count + GUIDE_LANES - 1) / GUIDE_LANES;
+    memset(t->rows, 0, sizeof t->rows);
+    for (int i = 0; i < t->count; i++) /* neighbours one below the other: a lane is a place */
+        set_target(g, detail, i / t->row_count + GUIDE_LANES * (i % t->row_count), ranks[i].cell);
+}
+
+/* What hangs close over the place it lights also hides it; a cell is as bright as its quarters. */
+static void dim_hidden(gather *g)
+{
+    guide *d = &g->guide;
+
+    for (size_t i = d->cells.count; i-- > 0;) { /* quarters come behind what they are of */
+        guide_cell *c = cell_at(d, (int32_t)i);
+        double sum = 0;
+
+        for (int k = 0; k < 4 && c->child >= 0; k++)
+            sum += cell_at(d, c->child + k)->brightness / 4;
+        if (c->child >= 0)
+            c->brightness = sum;
+        else if (c->brightness > bright * d->mean)
+            c->brightness *= openness(g, c);
+    }
+}
+
+static int set_targets(gather *g)
 {
     guide *d = &g->guide;
     rank *ranks = lcor_internal_alloc(g->allocator, (d->cells.count + 1) * sizeof *ranks);
-    size_t count = 0;
+    double power = 0;
 
     if (!ranks)
         return 0;
-    for (size_t i = 0; i < d->cells.count; i++) {
-        guide_cell *c = cell_at(d, (int32_t)i);
-        const double area = c->size * c->size * root_at(d, c->root)->area;
-
-        if (c->child >= 0 || !(c->brightness > bright * d->mean))
-            continue;
-        if (g->emitters.exact) /* what hangs close over the place it lights also hides it */
-            c->brightness *= openness(g, c);
-        if (c->brightness > 0)
-            ranks[count++] = (rank){c->brightness * c->brightness * area, (int32_t)i};
-    }
-    qsort(ranks, count, sizeof *ranks, compare_ranks);
-    d->count = count < GUIDE_TARGETS ? (int)count : GUIDE_TARGETS;
-    qsort(ranks, (size_t)d->count, sizeof *ranks, compare_cells); /* neighbours side by side */
-    d->row_count = (d->count + GUIDE_LANES - 1) / GUIDE_LANES;
-    memset(d->rows, 0, sizeof d->rows);
+    if (g->emitters.exact)
+        dim_hidden(g);
+    for (size_t i = 0; i < d->roots.count; i++)
+        power += cell_at(d, root_at(d, i)->cell)->brightness * root_at(d, i)->area;
     vec_copy(g->scene->corners.items, d->origin);
-    for (int i = 0; i < d->count; i++) /* neighbours one below the other: a lane is a place */
-        set_target(g, i / d->row_count + GUIDE_LANES * (i % d->row_count), ranks[i].cell);
+    choose_targets(g, GUIDE_COARSE, coarse_share * power, ranks);
+    choose_targets(g, GUIDE_FINE, 0, ranks);
     lcor_internal_free(g->allocator, ranks);
     return 1;
 }
@@ -370,7 +419,7 @@ static int build_cells(gather *g, const survey *items, size_t count, double squa
         if (!refine(g, cell, 0, squares))
             return 0;
     }
-    return choose_targets(g);
+    return set_targets(g);
 }
 
 int guide_build(gather *g)
@@ -413,7 +462,7 @@ void guide_clear(gather *g)
     lcor_internal_free(g->allocator, d->lit);
     d->root_of = NULL;
     d->lit = NULL;
-    d->count = 0;
+    d->targets[GUIDE_COARSE].count = d->targets[GUIDE_FINE].count = 0;
 }
 
 /* Sums over the targets of each lane. */
@@ -464,22 +513,24 @@ static double variance(double light, double square, double covered)
 }
 
 int guide_look(const gather *g, const double x[3], const double normal[3], double expected,
-               guide_view *view)
+               guide_detail detail, guide_view *view)
 {
     const guide *d = &g->guide;
+    const guide_targets *t = &d->targets[detail];
     lanes sums = {{0}, {0}, {0}};
     float from[3], towards[3];
     double relative;
 
-    if (d->count == 0)
+    if (t->count == 0)
         return 0;
+    view->detail = detail;
     relative = expected / d->mean;
     for (int k = 0; k < 3; k++) {
         from[k] = (float)((x[k] - d->origin[k]) / g->scene->diameter);
         towards[k] = (float)normal[k];
     }
-    for (int r = 0; r < d->row_count; r++)
-        look_at_row(&d->rows[r], from, towards, view->share[r], &sums);
+    for (int r = 0; r < t->row_count; r++)
+        look_at_row(&t->rows[r], from, towards, view->share[r], &sums);
     memcpy(view->lane, sums.light, sizeof view->lane);
     view->all = sum_lanes(view->lane);
     return view->all > 0 && variance(view->all, sum_lanes(sums.square), sum_lanes(sums.covered)) >
@@ -506,22 +557,23 @@ static int choose_share(const float *shares, int count, size_t stride, double *a
 void guide_choose(const gather *g, const guide_view *view, double a, double b, guide_place *out)
 {
     const guide *d = &g->guide;
+    const guide_targets *t = &d->targets[view->detail];
     double at = a * view->all, q[2], share;
     const guide_cell *c;
     const guide_root *r;
     int lane, row;
 
     lane = choose_share(view->lane, GUIDE_LANES, 1, &at);
-    row = choose_share(view->share[0] + lane, d->row_count, GUIDE_LANES, &at);
+    row = choose_share(view->share[0] + lane, t->row_count, GUIDE_LANES, &at);
     share = (double)view->share[row][lane];
     out->target = lane + GUIDE_LANES * row;
-    c = cell_at(d, d->targets[out->target].cell);
+    c = cell_at(d, t->items[out->target].cell);
     r = root_at(d, c->root);
     q[0] = c->low[0] + c->size * fmin(at / share, 1);
     q[1] = c->low[1] + c->size * b;
     root_place(r, q, out->x);
     root_normal(g, r, out->normal);
-    out->density = share / (view->all * d->targets[out->target].area);
+    out->density = share / (view->all * t->items[out->target].area);
     out->surface = r->surface;
     out->back = r->back;
 }
@@ -530,7 +582,7 @@ void guide_learn(const gather *g, guide_view *view, const int tries[GUIDE_TARGET
                  const int seen[GUIDE_TARGETS])
 {
     memset(view->lane, 0, sizeof view->lane);
-    for (int r = 0; r < g->guide.row_count; r++)
+    for (int r = 0; r < g->guide.targets[view->detail].row_count; r++)
         for (int i = 0; i < GUIDE_LANES; i++) {
             const int target = r * GUIDE_LANES + i;
 
@@ -547,18 +599,20 @@ double guide_density(const gather *g, const guide_view *view, uint32_t prim, int
     const int32_t root = d->root_of[2 * prim + (uint32_t)back];
     const guide_cell *c;
     double q[2];
+    int32_t number;
 
     if (root < 0)
         return 0;
     edges_to_square(root_at(d, (size_t)root)->triangle, st, q);
     c = cell_at(d, root_at(d, (size_t)root)->cell);
-    while (c->child >= 0) {
+    while (c->target[view->detail] < 0 && c->child >= 0) {
         const int s = q[0] >= c->low[0] + 0.5 * c->size, t = q[1] >= c->low[1] + 0.5 * c->size;
 
         c = cell_at(d, c->child + 2 * s + t);
     }
-    if (c->target < 0)
+    number = c->target[view->detail];
+    if (number < 0)
         return 0;
-    return (double)view->share[c->target / GUIDE_LANES][c->target % GUIDE_LANES] /
-           (view->all * d->targets[c->target].area);
+    return (double)view->share[number / GUIDE_LANES][number % GUIDE_LANES] /
+           (view->all * d->targets[view->detail].items[number].area);
 }

@@ -8,7 +8,10 @@
 #include <stdint.h>
 
 /* Targets are looked at in rows, and chosen by lane first. */
-enum { GUIDE_LANES = 16, GUIDE_ROWS = 16, GUIDE_TARGETS = GUIDE_LANES * GUIDE_ROWS };
+enum { GUIDE_LANES = 16, GUIDE_ROWS = 64, GUIDE_TARGETS = GUIDE_LANES * GUIDE_ROWS };
+
+/* The same light in few large targets or in many small ones: for one ray and for hundreds. */
+typedef enum guide_detail { GUIDE_COARSE, GUIDE_FINE, GUIDE_DETAILS } guide_detail;
 
 struct gather;
 struct gather_stand;
@@ -17,8 +20,8 @@ struct gather_stand;
 typedef struct guide_cell {
     uint32_t root; /* in guide.roots */
     double low[2], size;
-    int32_t child;  /* the first of four, or -1 */
-    int32_t target; /* or -1 */
+    int32_t child;                 /* the first of four, or -1 */
+    int32_t target[GUIDE_DETAILS]; /* or -1 */
     double brightness;
 } guide_cell;
 
@@ -43,13 +46,17 @@ typedef struct guide_row {
         brightness[GUIDE_LANES];
 } guide_row;
 
-typedef struct guide {
-    lcor_array roots, cells;
-    int32_t *root_of;                    /* per primitive and side, or -1 */
-    unsigned char *lit;                  /* per primitive: its front gets or sends light directly */
-    guide_target targets[GUIDE_TARGETS]; /* number lane + GUIDE_LANES * row */
+typedef struct guide_targets {
+    guide_target items[GUIDE_TARGETS]; /* number lane + GUIDE_LANES * row */
     guide_row rows[GUIDE_ROWS];
     int count, row_count;
+} guide_targets;
+
+typedef struct guide {
+    lcor_array roots, cells;
+    int32_t *root_of;   /* per primitive and side, or -1 */
+    unsigned char *lit; /* per primitive: its front gets or sends light directly */
+    guide_targets targets[GUIDE_DETAILS];
     double origin[3]; /* of the rows' lengths */
     double mean;      /* brightness of what is seen on average */
 } guide;
@@ -60,13 +67,14 @@ void guide_clear(struct gather *g);
 
 /* Shares of the targets as seen from one place. */
 typedef struct guide_view {
+    guide_detail detail;
     float share[GUIDE_ROWS][GUIDE_LANES], lane[GUIDE_LANES]; /* and sums of each lane */
     double all;
 } guide_view;
 
 /* Returns 0 if guiding does not pay where the irradiance is about `expected`. */
 int guide_look(const struct gather *g, const double x[3], const double normal[3], double expected,
-               guide_view *view);
+               guide_detail detail, guide_view *view);
 
 typedef struct guide_place {
     double x[3], normal[3];

@@ -217,7 +217,7 @@ void gather_sample_at(const gather *g, const gather_stand *stand, const guide_vi
         if (!survives(&p))
             break;
         from = spot.stand;
-        view = guide_look(g, from.x, from.normal, g->mean, &own) ? &own : NULL;
+        view = guide_look(g, from.x, from.normal, g->mean, GUIDE_COARSE, &own) ? &own : NULL;
     }
     if (out->leaf == gather_none)
         memset(out->through, 0, sizeof out->through);

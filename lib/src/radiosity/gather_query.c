@@ -157,7 +157,8 @@ uint64_t gather_answer(const gather *g, const gather_query *q, double *total, do
         return 0;
     if (!q->average)
         emitters_at(&g->emitters, q->stand.x, q->stand.normal, q->stand.surface, total);
-    if (guide_look(g, q->stand.x, q->stand.normal, expected_at(g, &q->stand, total), &view) &&
+    if (guide_look(g, q->stand.x, q->stand.normal, expected_at(g, &q->stand, total), GUIDE_FINE,
+                   &view) &&
         look_out(g, q, &view, &s))
         guided = &view;
     /* Rays that have missed something bright err little by their own account. What tells them to
