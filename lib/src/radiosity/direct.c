@@ -72,6 +72,13 @@ int light_in_solid(const lcor_scene *scene, const lcor_light *light)
     return light->kind != LCOR_LIGHT_DIRECTIONAL && lcor_scene_in_solid(scene, light->position);
 }
 
+/* out += factor times the light's intensity */
+static void add_light(const light_set *set, const lcor_light *light, double factor, double *out)
+{
+    for (int c = 0; c < set->channels; c++)
+        out[c] += factor * light_channel(set, light->intensity, c);
+}
+
 void light_at(const light_set *set, const double x[3], const double normal[3], uint32_t skip,
               double *out)
 {
@@ -82,7 +89,43 @@ void light_at(const light_set *set, const double x[3], const double normal[3], u
         const double value = lcor_direct_unshadowed(light, x, normal);
 
         if (value > 0 && (set->open[i] || !lcor_direct_shadowed(set->scene, light, x, skip, NULL)))
-            for (int c = 0; c < set->channels; c++)
-                out[c] += value * light_channel(set, light->intensity, c);
+            add_light(set, light, value, out);
     }
+}
+
+void light_by_chance(const light_set *set, const double x[3], const double normal[3], uint32_t skip,
+                     double random, double *out)
+{
+    const lcor_light *chosen = NULL;
+    double all = 0, value_of_chosen = 0, share = 1;
+
+    for (int c = 0; c < set->channels; c++)
+        out[c] = 0;
+    for (size_t i = 0; i < set->scene->lights.count; i++) {
+        const lcor_light *light = scene_light_at(set->scene, i);
+        const double value = lcor_direct_unshadowed(light, x, normal);
+        double rgb[3] = {0, 0, 0}, power;
+
+        if (!(value > 0))
+            continue;
+        if (set->open[i]) {
+            add_light(set, light, value, out);
+            continue;
+        }
+        add_light(set, light, value, rgb);
+        power = rgb[0] + rgb[1] + rgb[2];
+        all += power;
+        /* Of those so far each is chosen with a chance of its share; either way `random` is again
+         * a number of 0..1. */
+        if (random * all < power) {
+            chosen = light;
+            value_of_chosen = value;
+            share = power;
+            random *= all / power;
+        } else {
+            random = (random * all - power) / (all - power);
+        }
+    }
+    if (chosen && !lcor_direct_shadowed(set->scene, chosen, x, skip, NULL))
+        add_light(set, chosen, value_of_chosen * all / share, out);
 }

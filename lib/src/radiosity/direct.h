@@ -37,6 +37,11 @@ int light_in_solid(const lcor_scene *scene, const lcor_light *light);
 void light_at(const light_set *set, const double x[3], const double normal[3], uint32_t skip,
               double *out);
 
+/* The same on average over `random` of 0..1, by one shadow ray at most: of the lights that
+ * something might hide, one stands for all, each with a chance of its share. */
+void light_by_chance(const light_set *set, const double x[3], const double normal[3], uint32_t skip,
+                     double random, double *out);
+
 /* Direct irradiance at x, all lights, with shadows: report.channels values. Starts no parallel
  * work, so tasks may call it. */
 void lcor_solution_direct_at(const lcor_solution *solution, const double x[3],

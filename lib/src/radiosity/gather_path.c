@@ -55,7 +55,7 @@ int gather_trace(const gather *g, const gather_stand *from, const double directi
 typedef struct path {
     const gather *g;
     double near;
-    uint32_t random;
+    uint32_t random, choice; /* choice: of lights */
     gather_sample *out;
 } path;
 
@@ -66,6 +66,14 @@ static double largest(const gather *g, const double *v)
     for (int c = 0; c < g->channels; c++)
         most = fmax(most, v[c]);
     return most;
+}
+
+/* gather_straight on average, with one shadow ray for all lights. */
+static void straight_by_chance(path *p, const double x[3], const double normal[3], uint32_t surface,
+                               double *out)
+{
+    light_by_chance(&p->g->solution->lights, x, normal, surface, random_next(&p->choice), out);
+    emitters_at(&p->g->emitters, x, normal, surface, out);
 }
 
 /* Light of a guided ray: what its target sends at first hand, weighed against the chance of the
@@ -88,7 +96,7 @@ static void add_guided(path *p, const gather_stand *stand, const guide_view *vie
     p->out->rays++;
     if (lcor_scene_blocked(g->scene, stand->x, target.x, stand->surface, NULL))
         return;
-    gather_straight(g, target.x, target.normal, target.surface, direct);
+    straight_by_chance(p, target.x, target.normal, target.surface, direct);
     by_cosine = height * cosine / (pi * square * square); /* densities per area */
     by_guide = target.density;
     weight = by_cosine / (by_cosine + by_guide);
@@ -115,7 +123,7 @@ static double unguided(const gather *g, const gather_stand *from, const guide_vi
 }
 
 /* Adds the light at a spot; what is left to find out is its irradiance times `through`. */
-static void add_spot(path *p, const gather_spot *spot, double weight)
+static void add_spot(path *p, const gather_spot *spot, double weight, int depth)
 {
     const gather *g = p->g;
     const double *rho = g->reflectance + (size_t)spot->stand.surface * (size_t)g->channels;
@@ -126,8 +134,10 @@ static void add_spot(path *p, const gather_spot *spot, double weight)
         memset(p->out->through, 0, sizeof p->out->through);
         return;
     }
-    if (largest(g, rho) > 0)
+    if (largest(g, rho) > 0 && depth == 0)
         gather_straight(g, spot->stand.x, spot->stand.normal, spot->stand.surface, direct);
+    else if (largest(g, rho) > 0) /* carries less, and so does its noise */
+        straight_by_chance(p, spot->stand.x, spot->stand.normal, spot->stand.surface, direct);
     for (int c = 0; c < g->channels; c++) {
         p->out->source[c] += p->out->through[c] * weight * (emission[c] + rho[c] * direct[c]);
         p->out->through[c] *= rho[c];
@@ -186,7 +196,7 @@ static void next_pair(path *p, int depth, uint32_t index, uint32_t seed, double 
 void gather_sample_at(const gather *g, const gather_stand *stand, const guide_view *view,
                       double near, uint32_t index, uint32_t seed, gather_sample *out)
 {
-    path p = {g, near, random_hash(seed + index), out};
+    path p = {g, near, random_hash(seed + index), random_hash(~(seed + index)), out};
     gather_stand from = *stand;
     double random[2], direction[3];
     guide_view own;
@@ -211,7 +221,7 @@ void gather_sample_at(const gather *g, const gather_stand *stand, const guide_vi
             break;
         if (depth == 0)
             out->distance = spot.distance;
-        add_spot(&p, &spot, unguided(g, &from, view, &spot));
+        add_spot(&p, &spot, unguided(g, &from, view, &spot), depth);
         if (!(largest(g, out->through) > 0) || read_field(&p, &from, &spot, depth))
             break;
         if (!survives(&p))
