@@ -260,6 +260,8 @@ static int settle(gather *g, gather_errors *e)
     if (!gather_patch_noise(g, PATCHES, &noise))
         return 0;
     steer(g, wanted, &g->effort.patch_stop, &noise);
+    if (e->noise < noise) /* the larger of the two is promised anyway */
+        steer(g, noise, &g->effort.stop, &e->noise);
     e->noise = fmax(e->noise, noise);
     gather_sum_errors(e, SAMPLE);
     return 1;
