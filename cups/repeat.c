@@ -9,7 +9,8 @@
 #define PART     128    /* columns looked at together */
 #define ROWS_MIN 4      /* fewer are not worth it */
 #define ROWS_MAX 32     /* light changes too much over more */
-#define OTHERS   8      /* one pixel in so many of a row may differ from the first row's */
+#define OTHERS   8      /* one sample in so many of a row may differ from the first row's */
+#define CHUNK    64     /* samples compared before the next look at how many differ */
 #define CHANGE   0.004f /* of light between the first and the last row: half a code of white */
 
 /* Codes in fixed point. */
@@ -105,22 +106,29 @@ static bool is_calm(const repeat *r, size_t n, const float *a, const float *b)
     return little && (darker || lighter);
 }
 
-/* How many rows repeat from the first on, of `rows` in which light changes linearly; 0 if too few.
- * Pixels that differ here and there do no harm. */
-static size_t find_repeats(const repeat *r, const columns *c, size_t rows)
+/* Do enough samples of two rows agree? Pixels that differ here and there do no harm. */
+static bool are_alike(const unsigned char *a, const unsigned char *b, size_t bytes)
 {
-    const size_t bytes = 3 * c->count;
-    size_t n = 1;
-    for (; n < rows; n++) {
-        const unsigned char *row = c->pixels + n * c->row_bytes;
-        size_t others = 0;
-        if (memcmp(row, c->pixels, bytes) == 0)
-            continue;
-        for (size_t i = 0; i < bytes; i++)
-            others += row[i] != c->pixels[i];
-        if (others > bytes / OTHERS)
-            break;
+    size_t others = 0;
+    if (memcmp(a, b, bytes) == 0)
+        return true;
+    for (size_t at = 0; at < bytes && others <= bytes / OTHERS; at += CHUNK) {
+        const size_t end = bytes - at < CHUNK ? bytes : at + CHUNK;
+        for (size_t i = at; i < end; i++)
+            others += a[i] != b[i];
     }
+    return others <= bytes / OTHERS;
+}
+
+/* How many of `rows` rows repeat from the first one, row y of the page, on; 0 if too few. */
+static size_t find_repeats(const repeat *r, const illuminance_rows *light, size_t y,
+                           const columns *c, size_t rows)
+{
+    size_t n = 1;
+    while (n < rows && are_alike(c->pixels, c->pixels + n * c->row_bytes, 3 * c->count))
+        n++;
+    if (n >= ROWS_MIN)
+        n = illuminance_straight(light, y, n);
     while (n >= ROWS_MIN && !is_calm(r, c->count, c->light, c->light + (n - 1) * c->light_step))
         n /= 2;
     return n >= ROWS_MIN ? n : 0;
@@ -244,7 +252,7 @@ static void correct_part(repeat *r, const illuminance_rows *light, const pipelin
         const size_t left = band->rows - y < ROWS_MAX ? band->rows - y : ROWS_MAX;
         c.pixels = band->pixels + y * c.row_bytes + 3 * x;
         c.light = r->light + y * r->width + x;
-        rows = find_repeats(r, &c, illuminance_straight(light, band->first + y, left));
+        rows = find_repeats(r, light, band->first + y, &c, left);
         if (rows > 0 && correct_rows(r, &c, rows))
             for (size_t i = y; i < y + rows; i++)
                 r->done[i * r->parts + part] = 1;
@@ -268,8 +276,37 @@ static void correct_others(repeat *r, const pipeline_band *band, size_t y)
     }
 }
 
+/* Does anything repeat in a band? */
+static bool is_worth_it(const repeat *r, const pipeline_band *band)
+{
+    const size_t row_bytes = 3 * r->width, over = ROWS_MIN - 1;
+    for (size_t y = 0; y + over < band->rows; y += over)
+        for (size_t at = 0; at < row_bytes; at += 3 * PART) {
+            const unsigned char *p = band->pixels + y * row_bytes + at;
+            const size_t bytes = row_bytes - at < 3 * PART ? row_bytes - at : 3 * PART;
+            if (are_alike(p, p + over * row_bytes, bytes))
+                return true;
+        }
+    return false;
+}
+
+/* Row after row: all rows at once would fill the cache for nothing. */
+static bool correct_plainly(repeat *r, illuminance_rows *light, const pipeline_band *band)
+{
+    for (size_t y = 0; y < band->rows; y++) {
+        unsigned char *pixels = band->pixels + y * 3 * r->width;
+        if (!illuminance_row(light, band->first + y, r->light))
+            return false;
+        lcor_correct_row(r->plan, band->first + y, r->width, pixels, r->light, NULL, pixels,
+                         r->stats);
+    }
+    return true;
+}
+
 bool repeat_correct(repeat *r, illuminance_rows *light, const pipeline_band *band)
 {
+    if (!is_worth_it(r, band))
+        return correct_plainly(r, light, band);
     for (size_t y = 0; y < band->rows; y++)
         if (!illuminance_row(light, band->first + y, r->light + y * r->width))
             return false;
