@@ -29,6 +29,11 @@ static const double tighten_most = 0.1, tighten_least = 0.6;
 enum { STALE_MAX = 2 };
 static const double progress_least = 0.9;
 
+/* A sample that misses by less than that may have met a rare place: a larger one, which costs less
+ * than another round, decides. */
+static const double near_miss = 2;
+enum { LARGER = 4 };
+
 /* How much worse than the worst of the sampled points the worst patch may be. */
 static const double unseen = 2;
 
@@ -128,6 +133,19 @@ static void describe(lcor_solution *s)
         s->report.channels, s->report.channels == 1 ? "" : "s");
 }
 
+static int estimate(const lcor_solution *s, links_errors *errors)
+{
+    links *l = (links *)s->state;
+    double wanted;
+
+    if (!links_estimate(l, sample_count(s), errors))
+        return 0;
+    wanted = wanted_error(s, errors);
+    return s->options.norm == LCOR_NORM_MAX || wanted <= s->options.tolerance ||
+           wanted > near_miss * s->options.tolerance ||
+           links_estimate(l, LARGER * sample_count(s), errors);
+}
+
 /* Refine, solve, measure; tighten until the estimate is within the tolerance. */
 static lcor_status solve(lcor_solution *s, lcor_error *err)
 {
@@ -147,8 +165,7 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
         if (!links_refine(l) || !links_fill(l))
             goto stopped;
         links_set_source(l);
-        if (!links_solve(l, solver_share * tolerance, ITERATIONS_MAX) ||
-            !links_estimate(l, sample_count(s), &errors))
+        if (!links_solve(l, solver_share * tolerance, ITERATIONS_MAX) || !estimate(s, &errors))
             goto stopped;
         s->report.error_rms = errors.rms;
         s->report.error_max = errors.max;

@@ -20,9 +20,12 @@ static const double end_t[ENDS] = {0.5, 0.5, 0.02, 0.98, 0.02, 0.98};
 /* Close: this part of the receiver's size. */
 static const double close_by = 0.3;
 
-/* Part of a defect seen in the worst corner that is left in the norm, and the part of a sender's
- * roughness that is left after integration. */
-static const double corner_share = 0.5, rough_share = 0.3;
+/* Part of a defect seen in the worst corner that is left in the norm. */
+static const double corner_share = 0.5;
+
+/* Part of a sender's roughness that is left after integration; less where eps is less, since things
+ * stand in the way. */
+static const double rough_share = 0.3, rough_share_hidden = 0.2;
 
 /* Moments keep what a rough sender sends to where all of it is seen. Past an occluder's edge the
  * errors of the part that is left do not cancel, however far away: so much of them is felt. */
@@ -198,7 +201,8 @@ static verdict judge(links *l, links_link *p, int *axis)
     /* Behind an occluder's edge nothing is smooth, however far away. */
     receiver = factor * s->b_max * scale * (p->occluder_count > 0 ? 1 : polynomial_error(qr));
     felt = p->occluder_count > 0 ? fmax(polynomial_error(qs), cut_share) : polynomial_error(qs);
-    sender = factor * s->rough * scale * rough_share * felt;
+    felt *= l->scene->convex ? rough_share : rough_share_hidden;
+    sender = factor * s->rough * scale * felt;
     sender_axis = long_axis(l, s);
     if (!links_may_split(l, s, sender_axis))
         sender = 0;
