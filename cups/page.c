@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define MAP_SAMPLES ((size_t)1 << 18) /* light is smooth: so many give the mean of a map */
+#define MAP_SAMPLES ((size_t)1 << 17) /* light is smooth: so many give the mean of a map */
 
 /* What one thread needs of its own. */
 typedef struct hand {
