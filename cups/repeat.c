@@ -6,11 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PART     128    /* columns looked at together */
-#define ROWS_MIN 4      /* fewer are not worth it */
-#define ROWS_MAX 32     /* light changes too much over more */
-#define OTHERS   8      /* one sample in so many of a row may differ from the first row's */
-#define CHUNK    64     /* samples compared before the next look at how many differ */
+#define PART     ((size_t)128) /* columns looked at together */
+#define ROWS_MIN 4             /* fewer are not worth it */
+#define ROWS_MAX 32            /* light changes too much over more */
+#define OTHERS   8             /* one sample in so many of a row may differ from the first row's */
+#define CHUNK    64            /* samples compared before the next look at how many differ */
 #define CHANGE   0.004f /* of light between the first and the last row: half a code of white */
 
 /* Codes in fixed point. */
