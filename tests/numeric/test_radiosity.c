@@ -130,6 +130,7 @@ static void occlusion_agrees_with_path_tracing(void **state)
 {
     csv t = csv_read(LCOR_TEST_DATA "/reference/box_room_50x50.csv");
     double *total = malloc(ALL * sizeof *total), square = 0, noise = 0, worst = 0, mean = 0;
+    double beside = 0, patches_beside = 0;
     lcor_scene *scene = paper_room(N);
     lcor_solution *solution;
 
@@ -151,11 +152,19 @@ static void occlusion_agrees_with_path_tracing(void **state)
         square += d * d / (double)t.rows;
         noise += s * s / (double)t.rows;
         worst = fmax(worst, fabs(d));
+        /* between the box and the wall, where it hides parts of the ceiling and of walls: errors
+         * of what is left of these do not cancel from patch to patch */
+        if (f == 0 && i >= 24 && i <= 40 && j >= 2 && j <= 9) {
+            beside += d;
+            patches_beside++;
+        }
     }
     /* A third of the patches lie where it is hardest: around the box and at shadow edges. */
-    print_message("box: rms %.2e with noise %.2e, worst %.2e\n", sqrt(square), sqrt(noise), worst);
+    print_message("box: rms %.2e with noise %.2e, worst %.2e, mean beside it %.2e\n", sqrt(square),
+                  sqrt(noise), worst, beside / patches_beside);
     assert_true(sqrt(square) <= 3e-3);
     assert_true(worst <= 2e-2);
+    assert_true(fabs(beside / patches_beside) <= 5e-3);
     free(total);
     csv_free(&t);
     lcor_solution_free(solution);

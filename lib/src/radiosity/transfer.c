@@ -465,10 +465,12 @@ void transfer_aim(transfer *t, const double x[3])
 static void scale_row(double height, double exact, float weights[RULE_Q])
 {
     const double factor = height > 0 ? height * inv_pi : 0;
-    float sum = 0, scale;
+    float sums[4] = {0, 0, 0, 0}, sum, scale; /* four at a time become one vector */
 
-    for (int k = 0; k < RULE_Q; k++)
-        sum += weights[k];
+    for (int k = 0; k < RULE_Q; k += 4)
+        for (int i = 0; i < 4; i++)
+            sums[i] += weights[k + i];
+    sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
     scale = (float)(sum > 0 && exact < 4 * (double)sum * factor ? exact / (double)sum : factor);
     for (int k = 0; k < RULE_Q; k++)
         weights[k] *= scale;

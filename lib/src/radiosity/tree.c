@@ -160,9 +160,18 @@ int links_split(links *l, size_t element, int axis)
 
 void links_nodes(const links *l, const links_element *e, double x[RULE_Q][3])
 {
-    for (int k = 0; k < RULE_Q; k++)
-        face_point(links_face_of(l, e), e->c.s0 + rule_x[k / RULE_P] * e->c.hs,
-                   e->c.t0 + rule_x[k % RULE_P] * e->c.ht, x[k]);
+    const face *f = links_face_of(l, e);
+
+    for (int a = 0; a < RULE_P; a++) { /* a line of constant s */
+        const double s = e->c.s0 + rule_x[a] * e->c.hs;
+        double start[3], line[3];
+
+        face_point(f, s, 0, start);
+        face_point(f, s, 1, line);
+        vec_sub(line, start, line);
+        for (int b = 0; b < RULE_P; b++)
+            vec_add_scaled(start, e->c.t0 + rule_x[b] * e->c.ht, line, x[a * RULE_P + b]);
+    }
 }
 
 void links_region(const links *l, const links_element *e, region *out)
