@@ -19,7 +19,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { REPEAT = 5 };
+enum { REPEAT = 5, TURNS = 4 };
+
+/* Short runs are repeated until they have taken so many seconds together. */
+static const double long_enough = 0.2;
 
 static void must(lcor_status status, const lcor_error *err)
 {
@@ -91,11 +94,11 @@ typedef struct run {
 
 static run measure(const lcor_scene *scene, size_t n, double tolerance, lcor_norm norm, double *out)
 {
-    double *face = malloc(n * n * sizeof *face);
+    double *face = malloc(n * n * sizeof *face), spent = 0;
     run r;
 
     r.seconds = 1e300;
-    for (int k = 0; face && k < REPEAT && (k == 0 || r.seconds < 1); k++) {
+    for (int k = 0; face && (k == 0 || spent < long_enough || (k < REPEAT && spent < 1)); k++) {
         lcor_radiosity_options options;
         lcor_solution *solution = NULL;
         lcor_error err;
@@ -109,6 +112,7 @@ static run measure(const lcor_scene *scene, size_t n, double tolerance, lcor_nor
         patches(solution, n, face, out);
         start = bench_seconds() - start;
         r.seconds = start < r.seconds ? start : r.seconds;
+        spent += start;
         r.report = *lcor_solution_report(solution);
         lcor_solution_free(solution);
     }
@@ -345,9 +349,16 @@ static void box(double *values)
         "edges; the reference itself has a noise of 1.3e-3. Time over that of the empty room.",
         "\"tolerance\", \"rms\", \"worst\", \"ms\", \"times the empty room\", \"links\"");
     for (int k = 0; k < 2; k++) {
-        const run a = measure(empty, 50, tolerances[k], LCOR_NORM_RMS, NULL);
-        const run b = measure(full, 50, tolerances[k], LCOR_NORM_RMS, values);
+        run a = measure(empty, 50, tolerances[k], LCOR_NORM_RMS, NULL);
+        run b = measure(full, 50, tolerances[k], LCOR_NORM_RMS, values);
         const errors e = compare(box_file, box_format, 50, values);
+
+        for (int turn = 1; turn < TURNS; turn++) { /* by turns, whatever else the machine does */
+            a.seconds =
+                fmin(a.seconds, measure(empty, 50, tolerances[k], LCOR_NORM_RMS, NULL).seconds);
+            b.seconds =
+                fmin(b.seconds, measure(full, 50, tolerances[k], LCOR_NORM_RMS, NULL).seconds);
+        }
         const double out[6] = {
             tolerances[k],         e.rms, e.max, 1e3 * b.seconds, b.seconds / a.seconds,
             (double)b.report.links};
