@@ -196,6 +196,8 @@ static void next_pair(path *p, int depth, uint32_t index, uint32_t seed, double 
 void gather_sample_at(const gather *g, const gather_stand *stand, const guide_view *view,
                       double near, uint32_t index, uint32_t seed, gather_sample *out)
 {
+    /* The mean may be that of slits behind emitters, which paths hardly come to. */
+    const double usual = g->emitters.exact ? g->guide.mean : g->mean;
     path p = {g, near, random_hash(seed + index), random_hash(~(seed + index)), out};
     gather_stand from = *stand;
     double random[2], direction[3];
@@ -227,7 +229,7 @@ void gather_sample_at(const gather *g, const gather_stand *stand, const guide_vi
         if (!survives(&p))
             break;
         from = spot.stand;
-        view = guide_look(g, from.x, from.normal, g->mean, GUIDE_COARSE, &own) ? &own : NULL;
+        view = guide_look(g, from.x, from.normal, usual, GUIDE_COARSE, &own) ? &own : NULL;
     }
     if (out->leaf == gather_none)
         memset(out->through, 0, sizeof out->through);
