@@ -233,10 +233,121 @@ static void pixels_agree_with_answers_that_took_long(void **state)
         assert_true(c.compared > 200);
         assert_true(c.rms <= 1.3 * tolerance);
         assert_true(c.worst <= 6 * tolerance);
+        assert_true(report.error >= 0.5 * c.rms && report.error <= 4 * c.rms);
         assert_true(report.samples < WIDTH * HEIGHT / 4);
         lcor_field_free(field);
         lcor_view_free(view);
     }
+    lcor_solution_free(solution);
+    lcor_solution_free(reference);
+    lcor_scene_free(scene);
+}
+
+/* A room with a box, lit by both sides of a square that hangs at `height`. */
+static lcor_scene *room_under_a_square(double rho, double height)
+{
+    const double rhos[ROOM_FACES] = {rho, rho, rho, rho, rho, rho};
+    const lcor_surface lamp = {.emission = {10, 10, 10}, .two_sided = 1};
+    const double corner[3] = {0.4, 0.4, height}, u[3] = {0, 0.2, 0}, v[3] = {0.2, 0, 0};
+    lcor_scene *scene = NULL;
+    lcor_error err;
+
+    must(lcor_scene_new(NULL, &scene, &err), &err);
+    add_room(scene, 1, rhos, 0, 1);
+    add_box(scene, (double[3]){0.15, 0.55, 0}, (double[3]){0.35, 0.75, 0.25}, rho, 1);
+    must(lcor_scene_add_quad(scene, corner, u, v, &lamp, NULL, &err), &err);
+    commit(scene);
+    return scene;
+}
+
+/* Irradiance by that square alone: a sum over its points, each seen or not. */
+static double square_at(const lcor_scene *scene, double height, const double x[3],
+                        const double normal[3])
+{
+    enum { GRID = 100 };
+    double sum = 0;
+
+    for (int i = 0; i < GRID * GRID; i++) {
+        const double to[3] = {0.4 + 0.2 * (i / GRID + 0.5) / GRID - x[0],
+                              0.4 + 0.2 * (i % GRID + 0.5) / GRID - x[1], height - x[2]};
+        const double square = to[0] * to[0] + to[1] * to[1] + to[2] * to[2];
+        const double cosines =
+            fabs(to[2]) * (to[0] * normal[0] + to[1] * normal[1] + to[2] * normal[2]);
+        const double from[3] = {x[0] + 1e-7 * normal[0], x[1] + 1e-7 * normal[1],
+                                x[2] + 1e-7 * normal[2]};
+        lcor_hit hit;
+
+        if (cosines > 0 && !lcor_scene_intersect(scene, from, to, 1 - 1e-5, &hit))
+            sum += 10 * cosines / (3.14159265358979 * square * square) * 0.04 / (GRID * GRID);
+    }
+    return sum;
+}
+
+/* Nothing reflects: what pixels get is the square's light, half-shadows included. */
+static void half_shadows_of_emitting_surfaces_have_no_noise(void **state)
+{
+    static double total[WIDTH * HEIGHT];
+    static size_t surface[WIDTH * HEIGHT];
+    const double height = 0.7;
+    const lcor_camera camera = camera_in(1);
+    lcor_scene *scene = room_under_a_square(0, height);
+    lcor_solution *solution = gather(scene, 0.05);
+    lcor_view *view = look(scene, 1);
+    lcor_field *field = light(solution, view, NULL, 0);
+    double worst = 0, most = 0;
+
+    (void)state;
+    picture(view, field, total, surface);
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        most = fmax(most, total[i]);
+    for (size_t i = 0; i < WIDTH * HEIGHT; i += 41) {
+        const size_t x = i % WIDTH, y = i / WIDTH;
+        double point[3], ray[3], normal[3];
+        size_t count;
+        lcor_hit hit;
+        const lcor_span *span = lcor_view_row(view, y, &count);
+
+        while (!(span->x0 <= x && x < span->x1))
+            span++;
+        lcor_camera_ray(&camera, (double)x + 0.5, (double)y + 0.5, point, ray);
+        assert_true(lcor_scene_intersect(scene, point, ray, HUGE_VAL, &hit));
+        if (span->coverage < 1 || hit.surface != span->surface)
+            continue;
+        for (int k = 0; k < 3; k++)
+            point[k] += hit.t * ray[k];
+        (void)lcor_view_normal(view, span->surface, normal);
+        worst = fmax(worst, fabs(total[i] - square_at(scene, height, point, normal)) / most);
+    }
+    print_message("half-shadows: worst %.1e of the brightest pixel\n", worst);
+    assert_true(worst < 2e-3); /* the sum's own error at a shadow's edge is 1 / GRID of a part */
+    lcor_field_free(field);
+    lcor_view_free(view);
+    lcor_solution_free(solution);
+    lcor_scene_free(scene);
+}
+
+/* A lamp a hair below the ceiling: much of the light on the ceiling's neighbours comes from the
+ * bright slit around it. */
+static void a_lamp_close_to_a_ceiling_leaves_no_dots(void **state)
+{
+    static double total[WIDTH * HEIGHT];
+    static size_t surface[WIDTH * HEIGHT];
+    const double tolerance = 0.03;
+    lcor_scene *scene = room_under_a_square(0.5, 0.995);
+    lcor_solution *solution = gather(scene, tolerance), *reference = gather(scene, tolerance / 4);
+    lcor_view *view = look(scene, 1);
+    lcor_field *field = light(solution, view, NULL, 0);
+    comparison c;
+
+    (void)state;
+    picture(view, field, total, surface);
+    c = compare(scene, reference, 1, total);
+    print_message("lamp at a ceiling: rms %.4f, worst %.4f of %d pixels\n", c.rms, c.worst,
+                  c.compared);
+    assert_true(c.rms <= 0.5 * tolerance);
+    assert_true(c.worst <= 2 * tolerance);
+    lcor_field_free(field);
+    lcor_view_free(view);
     lcor_solution_free(solution);
     lcor_solution_free(reference);
     lcor_scene_free(scene);
@@ -357,6 +468,8 @@ int main(void)
         cmocka_unit_test(behind_a_wall_without_thickness_it_is_exactly_dark),
         cmocka_unit_test(estimates_are_not_used_across_a_wall),
         cmocka_unit_test(pixels_agree_with_answers_that_took_long),
+        cmocka_unit_test(half_shadows_of_emitting_surfaces_have_no_noise),
+        cmocka_unit_test(a_lamp_close_to_a_ceiling_leaves_no_dots),
         cmocka_unit_test(smooth_surfaces_have_no_speckle),
         cmocka_unit_test(threads_and_limits_leave_the_same_bits),
         cmocka_unit_test(failed_allocations_and_cancelling_are_errors),

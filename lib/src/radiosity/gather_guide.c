@@ -19,6 +19,8 @@ static const double bright = 0.05;
 static const double worth = 0.1;
 /* What stands nearer before a cell than this part of its width hides it. */
 static const double closeness = 0.25;
+/* But something of it is seen from aside. */
+static const double aslant = 1.0 / 64;
 /* Cells are split while their parts differ by this factor and they hold more than this part of
  * all brightness. */
 static const double uneven = 1.5, least_share = 1.0 / 512;
@@ -307,7 +309,7 @@ static double openness(const gather *g, const guide_cell *c)
                                direction[2] * stand.normal[k];
         open += !lcor_bvh_occluded(g->scene->bvh, &ray, NULL);
     }
-    return (double)open / OPEN_RAYS;
+    return fmax((double)open / OPEN_RAYS, aslant);
 }
 
 /* Adds the cells below that are not split or of no more power than `most`. */

@@ -25,7 +25,7 @@ static const double pi = 3.14159265358979323846;
 static const uint64_t records_default = 32768;
 /* Radius of a new record: at most this part of the harmonic mean distance of what it sees, between
  * so many pixels. Radii never shrink below the last. */
-static const double reach_share = 0.4, first_pixels = 3, most_pixels = 96, least_pixels = 0.7;
+static const double reach_share = 0.25, first_pixels = 3, most_pixels = 96, least_pixels = 0.7;
 /* What the polynomial itself may err, of the tolerance. */
 static const double model_share = 0.3;
 /* Radii shrink where records within half of them tell something else, by so many deviations. */
@@ -196,17 +196,21 @@ static void judge_row(void *arg, size_t i)
 
 typedef struct tally {
     size_t wanted;
-    double keep, kept; /* the part of the wanted records that is made; its sum */
-    double error;      /* largest deviation that stands */
+    double keep, kept;      /* the part of the wanted records that is made; its sum */
+    double places, squares; /* of deviations: those that stand, or what a record is made for */
 } tally;
 
 static void count_place(const placing *p, size_t piece, const place *at, void *arg)
 {
     tally *t = arg;
 
+    const double deviation =
+        p->samples[piece] > 0 ? allowed_share * p->tolerance : (double)p->samples[piece];
+
     (void)at;
     t->wanted += p->samples[piece] > 0;
-    t->error = fmax(t->error, -(double)p->samples[piece]);
+    t->places++;
+    t->squares += deviation * deviation;
 }
 
 /* ---- records ---- */
@@ -350,12 +354,12 @@ static lcor_status refine(placing *p, lcor_error *err)
     const uint64_t most = p->options->max_samples ? p->options->max_samples : records_default;
     light_cache *cache = p->cache;
     const double left = (double)most - (double)cache->records.count;
-    tally t = {0, 1, 0, 0};
+    tally t = {0, 1, 0, 0, 0};
 
     run(p, grid_rows(p), judge_row);
     for (size_t i = 0; i < grid_rows(p); i++)
         each_place(p, grid_row(p, i), count_place, &t);
-    p->field->report.error = t.error;
+    p->field->report.error = sqrt(t.squares / fmax(t.places, 1));
     if ((double)t.wanted > left)
         t.keep = left / (double)t.wanted;
     p->first = cache->records.count;
