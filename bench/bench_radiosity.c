@@ -19,7 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { REPEAT = 5, TURNS = 4 };
+enum { REPEAT = 5, TURNS = 10 };
 
 /* Short runs are repeated until they have taken so many seconds together. */
 static const double long_enough = 0.2;

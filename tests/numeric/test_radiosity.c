@@ -200,6 +200,43 @@ static void points_agree_with_patch_centres(void **state)
     lcor_scene_free(scene);
 }
 
+/* A box's lit side on the border of an element much longer than it: places along it, as elements
+ * have them and gathered a hair above. */
+static void a_short_wall_lights_the_long_strip_beside_it(void **state)
+{
+    static const double edge[3] = {2.612, 2.946, 1.231};
+    static const double rho[ROOM_FACES] = {0.44, 0.79, 0.66, 0.73, 0.48, 0.63};
+    static const double low[3] = {0.422, 1.229, 0}, high[3] = {0.693, 1.651, 0.22};
+    lcor_scene *scene = NULL;
+    lcor_solution *solution;
+    lcor_error err;
+
+    (void)state;
+    must(lcor_scene_new(NULL, &scene, &err), &err);
+    for (int f = 0; f < ROOM_FACES; f++) {
+        const lcor_surface look = {.reflectance = {rho[f], rho[f], rho[f]}, .patches = {32, 32}};
+        double quad[9];
+
+        for (int k = 0; k < 9; k++)
+            quad[k] = edge[k % 3] * room_quads[f][k];
+        must(lcor_scene_add_quad(scene, quad, quad + 3, quad + 6, &look, NULL, &err), &err);
+    }
+    add_box(scene, low, high, 0.36, 8);
+    add_lamp(scene, 2.084, 1.354, 1.076, 1);
+    commit(scene);
+    solution = solve(scene, 3e-3, LCOR_NORM_RMS);
+    for (int i = 0; i < 20; i++) {
+        const double x = high[0] + 0.01 + 0.01 * (i % 5), y = low[1] + 0.06 + 0.1 * (i / 5);
+        const double points[6] = {x, y, 0, x, y, 1e-4}, normals[6] = {0, 0, 1, 0, 0, 1};
+        double total[2];
+
+        must(lcor_solution_at(solution, 2, points, normals, total, NULL, &err), &err);
+        check_near(total[0] / total[1], 1, 0.03, "beside the lit side of a box");
+    }
+    lcor_solution_free(solution);
+    lcor_scene_free(scene);
+}
+
 /* A point in free space has no element: it is gathered, and must agree with its neighbourhood. */
 static void points_in_space_are_gathered(void **state)
 {
@@ -427,6 +464,7 @@ int main(void)
         cmocka_unit_test(a_white_furnace_is_exact),
         cmocka_unit_test(occlusion_agrees_with_path_tracing),
         cmocka_unit_test(points_agree_with_patch_centres),
+        cmocka_unit_test(a_short_wall_lights_the_long_strip_beside_it),
         cmocka_unit_test(points_in_space_are_gathered),
         cmocka_unit_test(normals_of_any_length_are_taken_and_nonsense_is_refused),
         cmocka_unit_test(shadow_edges_are_exact_in_averages),

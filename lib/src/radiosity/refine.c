@@ -99,10 +99,13 @@ static int long_axis(const links *l, const links_element *e)
     return vec_dot(b, b) > (double)unequal * vec_dot(a, a) ? 1 : 0;
 }
 
-/* Places of the tests on the receiver; returns how many. */
+/* Places of the tests on the receiver; returns how many. *axis: the one that the last place, under
+ * the sender's middle, tells about. A smaller sender that stands on the receiver's border has it
+ * moved onto the nearest line of nodes, where only what changes along that line is missed. */
 static size_t place_tests(const links *l, const links_element *r, const links_element *s,
-                          double at[TESTS][2])
+                          double at[TESTS][2], size_t *axis)
 {
+    static const double slack = 1e-6, smaller = 0.5;
     const face *f = links_face_of(l, r);
     double d[3], distance, foot[2];
 
@@ -115,9 +118,19 @@ static size_t place_tests(const links *l, const links_element *r, const links_el
     if (distance * distance > close_by * close_by * r->area)
         return ENDS;
     face_coordinates(f, s->centre, &foot[0], &foot[1]);
-    at[ENDS][0] = (foot[0] - r->c.s0) / r->c.hs;
-    at[ENDS][1] = (foot[1] - r->c.t0) / r->c.ht;
-    return at[ENDS][0] > 0 && at[ENDS][0] < 1 && at[ENDS][1] > 0 && at[ENDS][1] < 1 ? TESTS : ENDS;
+    foot[0] = (foot[0] - r->c.s0) / r->c.hs;
+    foot[1] = (foot[1] - r->c.t0) / r->c.ht;
+    *axis = (size_t)long_axis(l, r);
+    for (size_t k = 0; k < 2; k++) {
+        const int inside = foot[k] > 0 && foot[k] < 1;
+
+        if (foot[k] < -slack || foot[k] > 1 + slack || (!inside && s->area > smaller * r->area))
+            return ENDS;
+        at[ENDS][k] = inside ? foot[k] : fmax(rule_x[0], fmin(rule_x[RULE_P - 1], foot[k]));
+        if (!inside)
+            *axis = 1 - k;
+    }
+    return TESTS;
 }
 
 /* The receiver oracle: the form factor interpolated from the receiver's nodes against itself. The
@@ -127,7 +140,8 @@ static void measure(links *l, links_link *p)
     const links_element *r = links_at(l, p->receiver), *s = links_at(l, p->sender);
     const face *fr = links_face_of(l, r), *fs = links_face_of(l, s);
     double x[RULE_Q + TESTS][3], value[RULE_Q + TESTS], at[TESTS][2], *kept;
-    const size_t tests = place_tests(l, r, s, at);
+    size_t middle_axis = 0;
+    const size_t tests = place_tests(l, r, s, at, &middle_axis);
     transfer t;
 
     links_nodes(l, r, x);
@@ -144,7 +158,7 @@ static void measure(links *l, links_link *p)
     }
     p->defect[0] = p->defect[1] = p->defect[2] = 0;
     for (size_t i = 0; i < tests; i++) {
-        const size_t axis = i == ENDS ? (size_t)long_axis(l, r) : i / 2;
+        const size_t axis = i == ENDS ? middle_axis : i / 2;
         double at_s[RULE_P], at_t[RULE_P];
         float defect;
 
