@@ -114,10 +114,12 @@ void light_by_chance(const light_set *set, const double x[3], const double norma
         }
         add_light(set, light, value, rgb);
         power = rgb[0] + rgb[1] + rgb[2];
+        if (!(power > 0))
+            continue;
         all += power;
         /* Of those so far each is chosen with a chance of its share; either way `random` is again
          * a number of 0..1. */
-        if (random * all < power) {
+        if (random * all < power || !(all > power)) {
             chosen = light;
             value_of_chosen = value;
             share = power;
