@@ -114,7 +114,8 @@ class Options
                     const char *help);
     Options &count(const char *name, const char *meta, int &out, const char *help); /* 1..1e6 */
     /* One word of `words`; out becomes its index. */
-    Options &choice(const char *name, std::vector<std::string> words, int &out, const char *help);
+    Options &choice(const char *name, const std::vector<std::string> &words, int &out,
+                    const char *help);
     /* Anything else: `store` throws Error(Exit::usage) on a bad value. */
     Options &custom(const char *name, const char *meta,
                     std::function<void(const std::string &)> store, const char *help);

@@ -86,7 +86,7 @@ Options &Options::count(const char *name, const char *meta, int &out, const char
     });
 }
 
-Options &Options::choice(const char *name, std::vector<std::string> words, int &out,
+Options &Options::choice(const char *name, const std::vector<std::string> &words, int &out,
                          const char *help)
 {
     const std::string meta = joined(words);
