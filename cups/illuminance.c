@@ -5,7 +5,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -182,27 +181,13 @@ static bool load(illuminance_rows *rows, int slot, size_t y)
     return true;
 }
 
-/* Row y of the page in rows of the map. */
-static double map_row(const illuminance_rows *rows, size_t y)
-{
-    return ((double)y + 0.5) * (double)rows->map->height / (double)rows->height - 0.5;
-}
-
-size_t illuminance_straight(const illuminance_rows *rows, size_t y, size_t count)
-{
-    const double above = floor(map_row(rows, y));
-    size_t n = 1;
-    while (n < count && floor(map_row(rows, y + n)) <= above)
-        n++;
-    return n;
-}
-
 /* The two map rows about row y of the page, in a and b; the share of b. */
 static bool load_two(illuminance_rows *rows, size_t y, const float **a, const float **b,
                      float *share)
 {
     const illuminance_map *map = rows->map;
-    const double v = map_row(rows, y), inside = v < 0.0 ? 0.0 : v;
+    const double v = ((double)y + 0.5) * (double)map->height / (double)rows->height - 0.5;
+    const double inside = v < 0.0 ? 0.0 : v;
     const size_t upper = (size_t)inside < map->height ? (size_t)inside : map->height - 1;
     const size_t lower = upper + 1 < map->height ? upper + 1 : upper;
     /* Even rows live in slot 0 and odd ones in slot 1, so going down a page reads each row once. */

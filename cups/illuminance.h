@@ -39,9 +39,6 @@ bool illuminance_rows_open(illuminance_rows *rows, const illuminance_map *map, s
 void illuminance_rows_close(illuminance_rows *rows);
 /* All of row y of the page; false if the file could not be read. */
 bool illuminance_row(illuminance_rows *rows, size_t y, float *out);
-/* Of `count` rows from row y of the page on, how many lie between the same two rows of the map, so
- * that light goes up or down from the first to the last of them. */
-size_t illuminance_straight(const illuminance_rows *rows, size_t y, size_t count);
 /* Its columns x[0..n-1] alone, the same values. */
 bool illuminance_at(illuminance_rows *rows, size_t y, size_t n, const size_t *x, float *out);
 

@@ -3,7 +3,6 @@
 
 #include "memo.h"
 #include "pipeline.h"
-#include "repeat.h"
 #include "sample.h"
 
 #include <errno.h>
@@ -23,7 +22,6 @@ typedef struct hand {
     double *r;             /* of the sample */
     unsigned char *spread; /* one grey row as RGB */
     memo *seen;            /* colours met before, or NULL: the light varies */
-    repeat *again;         /* looks for rows that repeat, or NULL */
     lcor_mean mean;
     lcor_row_stats stats;
 } hand;
@@ -35,15 +33,14 @@ typedef struct page {
     raster_reader *reader;
     raster_writer *writer;
     lcor_plan_options options;
-    lcor_plan *measure;                        /* gives r of a sample */
-    lcor_plan *plan, *unrounded;               /* the latter for `again` */
+    lcor_plan *measure; /* gives r of a sample */
+    lcor_plan *plan;
     lcor_plan *band_plans[PIPELINE_SLOTS_MAX]; /* running mean: each band has its own */
     int spool;                                 /* the page between two passes, or -1 */
     size_t workers;
     size_t hand_count; /* one for each worker; with a running mean, then the filling thread's */
     hand *hands;
-    bool repeats;    /* one plan and the same light everywhere: equal colours stay equal */
-    bool may_repeat; /* so little changes from row to row that not all need be computed */
+    bool repeats; /* one plan and the same light everywhere: equal colours stay equal */
 } page;
 
 /* The mean of r depends on the pixels ... */
@@ -223,14 +220,6 @@ static bool work_pack(void *user, size_t worker, pipeline_band *band)
     return true;
 }
 
-static bool work_correct_repeats(void *user, size_t worker, pipeline_band *band)
-{
-    const page *p = user;
-    hand *h = &p->hands[worker];
-    return (repeat_correct(h->again, &h->light_rows, band) || no_light(p)) &&
-           work_pack(user, worker, band);
-}
-
 static bool work_correct(void *user, size_t worker, pipeline_band *band)
 {
     page *p = user;
@@ -318,16 +307,13 @@ static bool mean_of_pixels(page *p)
 static bool make_hand(const page *p, hand *h)
 {
     const size_t width = p->format->width;
-    const size_t rows = pipeline_band_rows(p->format->height, p->format->row_bytes);
     const bool is_grey = p->format->samples == 1;
     lcor_mean_init(&h->mean);
     h->light = malloc(width * sizeof *h->light);
     h->spread = is_grey ? malloc(width * 6) : NULL;
     h->seen = p->repeats ? calloc(1, sizeof *h->seen) : NULL;
-    h->again = p->may_repeat ? repeat_open(width, rows) : NULL;
     if (h->light && (h->spread || !is_grey) && (h->seen || !p->repeats) &&
-        (h->again || !p->may_repeat) && row_sample_open(&h->sample, p->format) &&
-        (h->r = malloc(h->sample.count * sizeof *h->r)) &&
+        row_sample_open(&h->sample, p->format) && (h->r = malloc(h->sample.count * sizeof *h->r)) &&
         illuminance_rows_open(&h->light_rows, &p->job->map, width, p->format->height))
         return true;
     filter_say("ERROR", "page %u: no memory for rows of %zu pixels", p->number, width);
@@ -358,7 +344,6 @@ static void close_page(page *p)
         free(p->hands[i].r);
         free(p->hands[i].spread);
         free(p->hands[i].seen);
-        repeat_close(p->hands[i].again);
         row_sample_close(&p->hands[i].sample);
         illuminance_rows_close(&p->hands[i].light_rows);
     }
@@ -367,7 +352,6 @@ static void close_page(page *p)
         lcor_plan_free(p->band_plans[i]);
     lcor_plan_free(p->measure);
     lcor_plan_free(p->plan);
-    lcor_plan_free(p->unrounded);
     if (p->spool >= 0)
         close(p->spool);
     free(p);
@@ -443,27 +427,6 @@ static bool changes_nothing(const filter_job *job)
            job->rho == 0.5 && !job->tone_curve;
 }
 
-/* See repeat.h. */
-static bool may_repeat(const filter_job *job, const raster_format *format)
-{
-    return job->map.width > 0 && job->reading == LCOR_READING_PATCH && !job->tone_curve &&
-           job->lightness == LCOR_LIGHTNESS_CIE && format->type == LCOR_U8 &&
-           format->samples == 3 && format->layout.pixel_step == 3 &&
-           format->colour.transfer == LCOR_TRANSFER_SRGB;
-}
-
-static bool make_plans(page *p)
-{
-    lcor_plan_options options = p->options;
-    options.out_type = LCOR_F32;
-    if (!new_plan(p, &p->options, &p->plan) ||
-        (p->may_repeat && !new_plan(p, &options, &p->unrounded)))
-        return false;
-    for (size_t i = 0; p->may_repeat && i < p->hand_count; i++)
-        repeat_use(p->hands[i].again, p->plan, p->unrounded, &p->hands[i].stats);
-    return true;
-}
-
 bool page_correct(const filter_job *job, unsigned number, const raster_format *format,
                   raster_reader *reader, raster_writer *writer)
 {
@@ -479,7 +442,6 @@ bool page_correct(const filter_job *job, unsigned number, const raster_format *f
     set_options(p);
     p->repeats = job->map.width == 0 && format->type == LCOR_U8 &&
                  p->options.in_layout.pixel_step == 3 && !is_running_mean(job);
-    p->may_repeat = may_repeat(job, format);
     bool good = make_hands(p);
     bool (*fill)(void *, pipeline_band *) = fill_from_raster;
     if (is_running_mean(job)) {
@@ -490,8 +452,8 @@ bool page_correct(const filter_job *job, unsigned number, const raster_format *f
     } else if (good && !job->r_mean_given) {
         good = mean_of_map(p);
     }
-    good = good && make_plans(p) &&
-           run(p, fill, p->may_repeat ? work_correct_repeats : work_correct, empty_to_raster);
+    good =
+        good && new_plan(p, &p->options, &p->plan) && run(p, fill, work_correct, empty_to_raster);
     if (good)
         report(p);
     close_page(p);

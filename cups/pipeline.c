@@ -30,7 +30,8 @@ typedef struct worker {
     size_t index;
 } worker;
 
-size_t pipeline_band_rows(size_t height, size_t row_bytes)
+/* Rows in a band; the last one may have fewer. */
+static size_t rows_of_band(size_t height, size_t row_bytes)
 {
     const size_t rows = row_bytes < BAND_BYTES ? BAND_BYTES / row_bytes : 1;
     return rows < height ? rows : height;
@@ -38,7 +39,7 @@ size_t pipeline_band_rows(size_t height, size_t row_bytes)
 
 static size_t bands_of_page(size_t height, size_t row_bytes)
 {
-    return (height - 1) / pipeline_band_rows(height, row_bytes) + 1;
+    return (height - 1) / rows_of_band(height, row_bytes) + 1;
 }
 
 size_t pipeline_workers(size_t wanted, size_t height, size_t row_bytes)
@@ -148,7 +149,7 @@ bool pipeline_run(const pipeline *p, bool *no_memory)
 {
     belt b = {.pipeline = p, .slots = p->workers + 2};
     bool good = false;
-    b.band_rows = pipeline_band_rows(p->height, p->row_bytes);
+    b.band_rows = rows_of_band(p->height, p->row_bytes);
     b.band_count = bands_of_page(p->height, p->row_bytes);
     b.usable = b.band_count;
     if (b.slots > b.band_count)

@@ -33,8 +33,6 @@ typedef struct pipeline {
 /* Number of workers for a page, 1..PIPELINE_WORKERS_MAX: as many as wanted (0: as there are
  * processors), but none has less to do than a band, which is about 256 KiB whatever the machine. */
 size_t pipeline_workers(size_t wanted, size_t height, size_t row_bytes);
-/* Rows in a band; the last one may have fewer. */
-size_t pipeline_band_rows(size_t height, size_t row_bytes);
 /* True if every band went through. False with *no_memory set if it could not start. */
 bool pipeline_run(const pipeline *pipeline, bool *no_memory);
 

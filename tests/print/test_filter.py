@@ -195,49 +195,6 @@ def test_colours_met_before_come_out_as_if_each_pixel_were_computed(correct, tmp
     assert "of 280000 pixels" in computed.log
 
 
-def check_against_each_pixel(correct, tmp_path, page, light, contrast):
-    """The same page again, half of each stretch of columns replaced by what changes from row to
-    row, so that nothing counts as repeated. Light is of one column: the same on both."""
-    height, width = page.shape[:2]
-    parts = page.reshape(height, -1, 64, 3)
-    noise = np.random.default_rng(6).integers(0, 256, parts.shape, np.uint8)
-    both = np.concatenate([parts, noise], 2).reshape(height, 2 * width, 3)
-    path = save_pfm(tmp_path / "map.pfm", light[:, None])
-    options = f"lcor-contrast={contrast} lcor-mean=0.5 lcor-illuminance={path}"
-    one, two = (correct(raster.write([Page(p)]), options) for p in (page, both))
-    assert one.code == 0 and f"of {height * width} pixels" in one.log
-    computed = raster.read(two.out)[0].pixels.reshape(height, -1, 128, 3)[:, :, :64]
-    assert np.array_equal(raster.read(one.out)[0].pixels, computed.reshape(page.shape))
-
-
-@pytest.mark.parametrize("contrast", [3, 23.4])
-@pytest.mark.parametrize("light", [0.1, 0.7, 1.0, 1.6])
-def test_rows_that_repeat_come_out_as_if_each_pixel_were_computed(
-    correct, tmp_path, light, contrast
-):
-    height, width = 420, 64 * 12
-    rng = np.random.default_rng(5)
-    colours = rng.integers(0, 256, (height // 7, width // 8, 3), np.uint8)
-    muted = colours[:, 16:] // 4 + rng.integers(0, 192, (height // 7, 1, 1), np.uint8)
-    colours[:, 16:] = muted  # of those on the left few leave no pixel outside the gamut
-    colours[:, ::3] = colours[:, ::3, :1]  # greys
-    colours[:20, ::4] = 255
-    page = colours.repeat(7, 0).repeat(8, 1)
-    page[rng.random(page.shape[:2]) < 0.01] = 17  # here and there
-    down = light * np.linspace(1.0, 1.06, 9) ** 2
-    check_against_each_pixel(correct, tmp_path, page, down, contrast)
-
-
-def test_rows_that_repeat_where_light_turns_from_darker_to_lighter(correct, tmp_path):
-    """Chroma has a corner there: it grows until grey stays as it is, and shrinks beyond (eq 16)."""
-    rng = np.random.default_rng(7)
-    colours = rng.integers(0, 256, (1, 1024, 3), np.uint8)
-    colours[..., :2] = np.maximum(colours[..., :2], 200)  # steepest near yellow
-    page = colours.repeat(64 * 22, 0)
-    light = np.where(np.arange(64) % 2, 0.998, 1.002)
-    check_against_each_pixel(correct, tmp_path, page, light, 3)
-
-
 def test_a_corrected_page_is_marked_and_not_corrected_again(correct):
     for kind in ("v3", "v2", "pwg"):
         once = correct(raster.write([Page(picture())], kind), "lcor-contrast=5 lcor-reading=texel")
