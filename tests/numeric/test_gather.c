@@ -433,6 +433,32 @@ static void a_dark_scene_is_no_error(void **state)
     lcor_scene_free(scene);
 }
 
+/* One light stands for all of them by chance: never one that sends nothing. */
+static void a_light_without_power_changes_nothing(void **state)
+{
+    double values[2][VALUES];
+
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        lcor_scene *scene = box_room();
+        lcor_solution *solution;
+        lcor_light light;
+        lcor_error err;
+
+        memset(&light, 0, sizeof light);
+        light.position[0] = light.position[1] = 0.2;
+        light.position[2] = 0.9;
+        if (k == 1)
+            must(lcor_scene_add_light(scene, &light, NULL, &err), &err);
+        commit(scene);
+        solution = gather(scene, 0.02);
+        room_patches(solution, N, LCOR_VALUE_AVERAGE, values[k]);
+        lcor_solution_free(solution);
+        lcor_scene_free(scene);
+    }
+    assert_memory_equal(values[0], values[1], sizeof values[0]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -447,6 +473,7 @@ int main(void)
         cmocka_unit_test(it_can_be_cancelled),
         cmocka_unit_test(a_limit_returns_the_best_solution_unconverged),
         cmocka_unit_test(a_dark_scene_is_no_error),
+        cmocka_unit_test(a_light_without_power_changes_nothing),
     };
 
     return cmocka_run_group_tests_name("gather", tests, NULL, NULL);
