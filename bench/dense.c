@@ -68,7 +68,7 @@ static void fill_row(const room *r, size_t i)
     const int s = (int)(i / r->patches), axis = normal_axis[s];
     const float sign = s % 2 ? -1 : 1, area = 1 / (float)r->patches;
     const float px = r->x[0][i], py = r->x[1][i], pz = r->x[2][i];
-    const double p[3] = {px, py, pz};
+    const double p[3] = {(double)px, (double)py, (double)pz};
 
     for (int t = 0; t < 6; t++) {
         const size_t first = (size_t)t * r->patches;

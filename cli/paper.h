@@ -38,7 +38,7 @@ Image paper_pattern(int number);
 double hue_difference(const double a[3], const double b[3]);
 
 /* Writes figure3{a,b,c,d}.png into the folder; returns what was measured. */
-Json paper_figure3(const PaperSetup &setup, const Image &texture, const std::string &folder);
+Json paper_figure3(const PaperSetup &setup, const Image &image, const std::string &folder);
 /* Writes figure5.csv; returns what was measured. */
 Json paper_figure5(const PaperSetup &setup, const std::string &folder);
 
