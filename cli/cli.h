@@ -227,6 +227,9 @@ class Threads
     std::unique_ptr<Pool> pool_;
 };
 
+/* Exit::input if `what` needs more bytes than this machine has memory; `advice` says what to do. */
+void check_memory(double bytes, const std::string &what, const char *advice);
+
 /* ---- files ---- */
 
 /* An output that takes its place only when whole: write to temporary(), then commit(), which syncs

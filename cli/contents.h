@@ -67,6 +67,9 @@ struct Contents {
 /* A small file must not become a huge scene. */
 constexpr size_t triangle_limit = 4000000;
 
+/* Exit::input if the machine has not the memory for so many. */
+void check_triangles(size_t count, const std::string &name);
+
 /* Read and convert a file. Exit::input names file, place and reason. */
 Contents load_gltf(const std::string &path, Threads &threads);
 Contents load_obj(const std::string &path, Threads &threads);

@@ -171,6 +171,7 @@ class Walker
                          file_.name.c_str(), triangle_limit, vertex_limit);
             }
         }
+        check_triangles(triangles, file_.name);
     }
 
     /* Of an accessor; 0 for one that reading will refuse. */

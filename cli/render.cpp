@@ -2,6 +2,7 @@
 /* `lcor render`: a view of a scene, corrected for a device. */
 #include "render.h"
 #include "aov.h"
+#include "stream.h"
 
 #include <cstdio>
 #include <sys/stat.h>
@@ -12,6 +13,8 @@ namespace cli
 namespace
 {
 
+/* Of a pixel, at least: its light and where estimates of it stand. */
+constexpr double picture_bytes = 12.0;
 constexpr uint64_t adaptation_limit = uint64_t(1) << 16;
 
 struct RenderOptions {
@@ -130,6 +133,9 @@ void check_options(const RenderOptions &render)
     if (render.output.empty())
         fail(Exit::usage, "where to? give -o PICTURE");
     render.format.type(render.output);
+    check_picture_path(render.output);
+    for (const AovRequest &aov : render.aovs)
+        check_picture_path(aov.path);
     if (render.mean_over == 1 && render.gaze)
         fail(Exit::usage, "--gaze weighs displayed pixels; it cannot go with --mean-over surfaces");
 }
@@ -152,9 +158,12 @@ void render_scene(const RenderOptions &render, const std::string &command)
         shared = read_adaptation(render.adaptation);
     const Scene scene = load_scene(render.scene, render.scene_options, threads);
     const SceneCamera camera = choose_camera(scene, render.camera);
+    const lcor_camera sized = sized_camera(camera, render.size);
+    check_memory(
+        picture_bytes * static_cast<double>(sized.size_x) * static_cast<double>(sized.size_y),
+        format("a picture of %zu x %zu", sized.size_x, sized.size_y), "give a smaller --size");
     const SolutionPointer solution = solve_for_picture(scene, render.solve, threads);
-    const Picture picture(scene, solution.get(), sized_camera(camera, render.size),
-                          0.1 * render.solve.tolerance, threads);
+    const Picture picture(scene, solution.get(), sized, 0.1 * render.solve.tolerance, threads);
     const double r_mean = find_mean(render, device, picture, solution.get(), shared);
     const PlanPointer plan = picture_plan(render.correction, device, r_mean);
     const Developer developer(picture, plan.get(), render.correction.conventional, r_mean);

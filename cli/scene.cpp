@@ -270,9 +270,18 @@ std::string folder_beside(const std::string &path)
     return slash == std::string::npos ? "./" : path.substr(0, slash + 1);
 }
 
+void check_triangles(size_t count, const std::string &name)
+{
+    constexpr double bytes = 1400.0; /* measured; with what a renderer needs besides */
+    check_memory(bytes * static_cast<double>(count),
+                 format("scene '%s' of %zu triangles", name.c_str(), count),
+                 "give its meshes fewer, or place them less often");
+}
+
 Scene build_scene(Contents contents, const SceneOptions &options, const std::string &name,
                   Threads &threads)
 {
+    check_triangles(contents.triangles.size(), name);
     return Builder(contents, options, name).build(threads);
 }
 

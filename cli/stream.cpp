@@ -70,13 +70,25 @@ void PictureReader::read(size_t y0, size_t y1, OIIO::TypeDesc type, void *out)
              first_line(input_->geterror()).c_str());
 }
 
-PictureWriter::PictureWriter(const std::string &path, const OIIO::ImageSpec &spec) : file_(path)
+static std::unique_ptr<OIIO::ImageOutput> output_for(const std::string &path)
 {
-    output_ = OIIO::ImageOutput::create(path);
-    if (!output_)
+    std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(path);
+    if (!output)
         fail(Exit::usage,
              "'%s': no picture format has this extension; try .tif, .png, .jpg or .exr",
              path.c_str());
+    return output;
+}
+
+void check_picture_path(const std::string &path)
+{
+    output_for(path);
+    const OutputFile trial(path);
+}
+
+PictureWriter::PictureWriter(const std::string &path, const OIIO::ImageSpec &spec) : file_(path)
+{
+    output_ = output_for(path);
     OIIO::ImageSpec wanted = spec;
     const std::string format = output_->format_name();
     if (format == "jpeg" && std::max(spec.width, spec.height) > largest_jpeg)

@@ -41,6 +41,10 @@ class PictureReader
     std::unique_ptr<OIIO::ImageInput> input_;
 };
 
+/* Fails as a PictureWriter would for a path that cannot be written to or names no format: before
+ * the long work. Leaves nothing there. */
+void check_picture_path(const std::string &path);
+
 /* A picture file that appears whole or not at all. */
 class PictureWriter
 {

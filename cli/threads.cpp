@@ -7,9 +7,20 @@
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <unistd.h>
 
 namespace cli
 {
+
+void check_memory(double bytes, const std::string &what, const char *advice)
+{
+    constexpr double giga = 1e9;
+    const double has =
+        static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    if (bytes > has && has > 0.0)
+        fail(Exit::input, "%s needs about %.1f GB of memory and this machine has %.1f; %s",
+             what.c_str(), bytes / giga, has / giga, advice);
+}
 
 /* Workers sleep between jobs; the calling thread takes part in every one. */
 struct Threads::Pool {
