@@ -22,9 +22,11 @@ typedef struct engine {
     /* Patches first..first+count-1 of a surface, of a quad whole rows. */
     void (*patches)(const lcor_solution *s, size_t surface, lcor_value value, size_t first,
                     size_t count, double *total);
-    /* At a point on a surface, or free of any (LCOR_BVH_NONE). */
+    /* At a point on a surface, or free of any (LCOR_BVH_NONE). Points with seeds of their own err
+     * independently of each other, unlike neighbouring patches: the mean of many is then much
+     * closer than each, and the rms over some tells that over all. */
     void (*point)(const lcor_solution *s, const double x[3], const double normal[3],
-                  uint32_t surface, double *total);
+                  uint32_t surface, uint32_t seed, double *total);
     /* The same by so many samples, 128 or more, whatever the tolerance, so that the mean of many is
      * without bias; each seed errs otherwise. Returns the variance, mean of the channels. NULL
      * where answers have no noise. */

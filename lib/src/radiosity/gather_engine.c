@@ -360,29 +360,13 @@ static void patches(const lcor_solution *s, size_t surface, lcor_value value, si
     }
 }
 
-/* Points err independently of each other, unlike neighbouring patches: the mean of many is then
- * much closer than each, and the rms over some tells that over all. */
-static uint32_t seed_of(const double x[3])
-{
-    uint32_t seed = 1;
-
-    for (int k = 0; k < 3; k++) {
-        const float rounded = (float)x[k] + 0.0F; /* no negative zero */
-        uint32_t bits;
-
-        memcpy(&bits, &rounded, sizeof bits);
-        seed = random_hash(seed + bits);
-    }
-    return seed;
-}
-
 static void point(const lcor_solution *s, const double x[3], const double normal[3],
-                  uint32_t surface, double *total)
+                  uint32_t surface, uint32_t seed, double *total)
 {
     gather_query q;
 
     gather_query_point(s->state, x, normal, surface, &q);
-    q.seed = seed_of(x);
+    q.seed = seed;
     (void)gather_answer(s->state, &q, total, NULL);
 }
 

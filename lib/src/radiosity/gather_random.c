@@ -2,6 +2,7 @@
 #include "radiosity/gather_random.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Degree, inner coefficients and first direction numbers of the primitive polynomials. */
 static const struct {
@@ -62,6 +63,20 @@ void sobol_point(const sobol *s, uint32_t index, uint32_t seed, int first, int c
         x = scramble(x, random_hash(seed * SOBOL_AXES + (uint32_t)(first + i)));
         out[i] = (x + 0.5) / 4294967296.0;
     }
+}
+
+uint32_t random_seed_at(const double x[3])
+{
+    uint32_t seed = 1;
+
+    for (int k = 0; k < 3; k++) {
+        const float rounded = (float)x[k] + 0.0F; /* no negative zero */
+        uint32_t bits;
+
+        memcpy(&bits, &rounded, sizeof bits);
+        seed = random_hash(seed + bits);
+    }
+    return seed;
 }
 
 /* Sine and cosine of -pi/4..pi/4 to 3e-9: the same bits whatever the mathematical library. */

@@ -34,6 +34,9 @@ static inline double random_next(uint32_t *state)
     return (random_hash(*state) + 0.5) / 4294967296.0;
 }
 
+/* A seed for a place, the same if its coordinates were kept in single precision. */
+uint32_t random_seed_at(const double x[3]);
+
 /* Direction with density cosine / pi around the third axis, from two numbers of 0..1: the
  * concentric map of the square to the disc [Shirley and Chiu 1997], lifted to the hemisphere. */
 void random_cosine(double a, double b, double direction[3]);

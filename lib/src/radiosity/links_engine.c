@@ -216,11 +216,12 @@ static void patches(const lcor_solution *s, size_t surface, lcor_value value, si
 }
 
 static void point(const lcor_solution *s, const double x[3], const double normal[3],
-                  uint32_t surface, double *total)
+                  uint32_t surface, uint32_t seed, double *total)
 {
     const links *l = (const links *)s->state;
     double indirect[3];
 
+    (void)seed; /* no noise */
     links_point(l, x, normal, surface, l->accuracy, indirect);
     for (int c = 0; c < l->channels; c++)
         total[c] += indirect[c];

@@ -3,6 +3,7 @@
 #include "base/internal.h"
 #include "geometry/vec.h"
 #include "radiosity/engine.h"
+#include "radiosity/gather_random.h"
 #include "radiosity/patch_light.h"
 
 #include <math.h>
@@ -305,6 +306,7 @@ static void point_task(void *arg, size_t chunk)
     const size_t channels = (size_t)s->report.channels, step = s->engine->points_per_task;
 
     for (size_t i = chunk * step; i < job->n && i < (chunk + 1) * step; i++) {
+        const uint32_t seed = random_seed_at(job->points + 3 * i);
         double x[3], normal[3], direct[3];
         uint32_t surface;
 
@@ -317,7 +319,7 @@ static void point_task(void *arg, size_t chunk)
             memcpy(job->direct + channels * i, direct, channels * sizeof *direct);
         if (job->total) {
             memcpy(job->total + channels * i, direct, channels * sizeof *direct);
-            s->engine->point(s, x, normal, surface, job->total + channels * i);
+            s->engine->point(s, x, normal, surface, seed, job->total + channels * i);
         }
     }
 }

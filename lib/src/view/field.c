@@ -130,7 +130,7 @@ static void ask_solution(const lcor_field *field, size_t surface, const double x
     if (s->engine->estimate)
         (void)s->engine->estimate(s, x, normal, (uint32_t)surface, SAMPLES_UNTOLD, 0, indirect);
     else
-        s->engine->point(s, x, normal, (uint32_t)surface, indirect);
+        s->engine->point(s, x, normal, (uint32_t)surface, 0, indirect);
     for (size_t c = 0; c < channels; c++)
         indirect[c] -= direct[c];
 }
