@@ -15,8 +15,9 @@ enum { TERMS = 6, LEAF = 4, NEAR_MAX = 512, DEPTH_MAX = 64 };
 /* Before anything is measured: how much irradiance changes over a radius, as part of itself, by
  * the linear and by the quadratic terms. */
 static const double prior_linear = 0.3, prior_quadratic = 0.1;
-/* Planes apart by less than this part of the scene's diameter are one. */
-static const double same_plane = 1e-6;
+/* Planes apart by less than this part of the scene's diameter are one, if the cosine between their
+ * normals is less than 1 by no more either: then these differ by `same_normal`. */
+static const double same_plane = 1e-6, same_normal = 1.4143e-3;
 /* Ways between places are tried so far above their plane: lower things hide nothing. */
 static const double lift_share = 1e-4;
 
@@ -49,8 +50,8 @@ static void set_node(const light_cache *cache, cache_node *node, size_t first, s
 
     *node = (cache_node){.first = first, .count = count};
     for (int k = 0; k < 3; k++) {
-        node->low[k] = HUGE_VAL;
-        node->high[k] = -HUGE_VAL;
+        node->low[k] = node->normal_low[k] = HUGE_VAL;
+        node->high[k] = node->normal_high[k] = -HUGE_VAL;
     }
     for (size_t i = 0; i < count; i++) {
         const cache_record *r = cache_record_at(cache, order[i].record);
@@ -61,6 +62,8 @@ static void set_node(const light_cache *cache, cache_node *node, size_t first, s
 
             node->low[k] = fmin(node->low[k], r->x[k] - reach);
             node->high[k] = fmax(node->high[k], r->x[k] + reach);
+            node->normal_low[k] = fmin(node->normal_low[k], r->normal[k] - same_normal);
+            node->normal_high[k] = fmax(node->normal_high[k], r->normal[k] + same_normal);
         }
     }
 }
@@ -115,10 +118,13 @@ typedef struct neighbour {
     double kernel, weight;
 } neighbour;
 
-static int in_box(const cache_node *node, const double x[3])
+/* Whether a record of the node may be valid at a place. On a curved surface of many planes hardly
+ * one is, however many reach there. */
+static int may_hold(const cache_node *node, const double x[3], const double normal[3])
 {
     for (int k = 0; k < 3; k++)
-        if (x[k] < node->low[k] || x[k] > node->high[k])
+        if (x[k] < node->low[k] || x[k] > node->high[k] || normal[k] < node->normal_low[k] ||
+            normal[k] > node->normal_high[k])
             return 0;
     return 1;
 }
@@ -161,7 +167,7 @@ static size_t find_neighbours(const light_cache *cache, const double x[3], const
     while (depth > 0) {
         const cache_node *node = &nodes[stack[--depth]];
 
-        if (!in_box(node, x))
+        if (!may_hold(node, x, normal))
             continue;
         if (node->child) {
             stack[depth++] = node->child + 1;

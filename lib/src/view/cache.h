@@ -26,9 +26,10 @@ typedef struct cache_record {
 
 /* Of a tree of halves over the records. */
 typedef struct cache_node {
-    double low[3], high[3]; /* around the records' validity */
-    size_t first, count;    /* in order */
-    size_t child;           /* first of two; 0: none */
+    double low[3], high[3]; /* around the places where a record is valid */
+    double normal_low[3], normal_high[3];
+    size_t first, count; /* in order */
+    size_t child;        /* first of two; 0: none */
 } cache_node;
 
 typedef struct light_cache {
