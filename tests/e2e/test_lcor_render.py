@@ -4,6 +4,7 @@
 import hashlib
 import json
 import math
+import os
 import random
 
 import pytest
@@ -302,3 +303,20 @@ def test_every_auxiliary_picture_has_its_line_in_the_list_and_is_written(room, t
     wanted = [f"--aov={n}={tmp_path}/{n}.{'png' if n == 'false-colour' else 'exr'}" for n in names]
     good("render", room, "-o", tmp_path / "a.png", "--size", "40x30", *DEVICE, *wanted)
     assert len(list(tmp_path.glob("*.exr"))) == len(names) - 1
+
+
+def test_what_cannot_be_written_is_refused_before_the_scene_is_read(tmp_path):
+    scene, picture = tmp_path / "no.glb", tmp_path / "a.png"
+    missing = tmp_path / "none" / "a.exr"
+    refused(2, "render", scene, "-o", tmp_path / "a.xyz", *DEVICE, says="picture format")
+    refused(1, "render", scene, "-o", missing, *DEVICE, says=f"{missing}")
+    refused(1, "render", scene, "-o", picture, *DEVICE, "--aov", f"illuminance={missing}",
+            says=f"{missing}")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_picture_larger_than_memory_is_refused_before_the_scene_is_solved(room, tmp_path):
+    if os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGESIZE") > 50e9:
+        pytest.skip("this machine has the memory")
+    refused(3, "render", room, "-o", tmp_path / "a.png", *DEVICE, "--size", "65535x65535",
+            says="smaller --size")
