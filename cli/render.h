@@ -22,7 +22,7 @@ SceneCamera choose_camera(const Scene &scene, const std::string &name);
 lcor_camera sized_camera(const SceneCamera &camera, const PictureSize &size);
 
 /* What a picture was made from, for its metadata and the report. */
-struct Provenance {
+struct Provenance { // NOLINT(bugprone-exception-escape): moving Json asserts, and does not throw
     std::string command;             /* "lcor render ..." */
     std::vector<std::string> inputs; /* paths: hashed */
     Json details;                    /* contrast, r_mean, tolerance reached, ... */

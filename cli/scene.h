@@ -90,8 +90,8 @@ struct SceneOptions {
     std::vector<std::string> lights; /* --light x,y,z,I */
     bool need_light = true;
 
-    void declare(Options &options);       /* with --patches N */
-    void declare_light(Options &options); /* all but --patches */
+    void declare(Options &table);       /* with --patches N */
+    void declare_light(Options &table); /* all but --patches */
 };
 
 /* Load, merge, judge, commit. Warnings are said once each. Exit::input names file, node and reason;

@@ -64,7 +64,7 @@ static void fill_link(const links *l, const links_link *link)
                     (const uint32_t *)l->occluders.items + link->first_occluder,
                     link->occluder_count, (double)link->accuracy);
     if (link->factors != links_no_block)
-        memcpy(block->exact, (double *)l->factors.items + link->factors * RULE_Q,
+        memcpy(block->exact, (double *)l->factors.items + (size_t)link->factors * RULE_Q,
                sizeof block->exact);
     else
         transfer_factors(&t, RULE_Q, x, &s->c, block->exact);

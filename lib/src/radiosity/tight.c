@@ -230,6 +230,7 @@ static void estimate_task(void *arg, size_t first)
     const links *l = job->l;
     sample *samples = job->samples + first;
     const size_t n = samples->together;
+    const int channels = l->channels;
     const face *f = links_face_of(l, links_at(l, samples->leaf));
     double x[TOGETHER][3], gathered[TOGETHER][3], direct[TOGETHER][3], here[TOGETHER][3];
     double expected[TOGETHER];
@@ -244,7 +245,7 @@ static void estimate_task(void *arg, size_t first)
         rule_values(p->v, at_t);
         light_at(l->lights, x[i], f->normal, f->surface, direct[i]);
         expected[i] = l->floor;
-        for (int c = 0; c < l->channels; c++) {
+        for (int c = 0; c < channels; c++) {
             const double *in = links_channel(l, &l->irradiance, p->leaf, c);
 
             here[i][c] = rule_interpolate(in, at_s, at_t);
@@ -256,9 +257,9 @@ static void estimate_task(void *arg, size_t first)
     gather(l, n, x, f->normal, f->surface, job->accuracy, expected, gathered);
     for (size_t i = 0; i < n; i++) {
         samples[i].defect = 0;
-        for (int c = 0; c < l->channels; c++)
+        for (int c = 0; c < channels; c++)
             samples[i].defect += (here[i][c] - gathered[i][c]) /
-                                 fmax(direct[i][c] + gathered[i][c], l->floor) / l->channels;
+                                 fmax(direct[i][c] + gathered[i][c], l->floor) / channels;
     }
 }
 
