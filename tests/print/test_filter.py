@@ -129,7 +129,7 @@ def test_every_kind_of_stream_carries_the_same_picture(correct, kind, dtype):
 
 
 def patterns(dtype, colours):
-    """Runs and stretches about the lengths where their codes end, rows that come up to 300 times."""
+    """Runs and stretches about the lengths where their codes end; rows come up to 300 times."""
     lengths = [1, 1, 2, 1, 3, 127, 1, 128, 2, 129, 1, 1, 130, 256, 257, 1]
     repeats = np.repeat(np.arange(len(lengths)), lengths) % 2 * 200
     stretches = np.arange(repeats.size) % 251
