@@ -6,7 +6,6 @@
 #include "radiosity/transfer.h"
 
 #include <math.h>
-#include <string.h>
 
 /* A place looks at every face past what may hide it: so much at most is worth an exact answer. */
 enum { FACES_MAX = 32, HIDERS_MAX = 24, POINTS = 5 };
@@ -31,26 +30,6 @@ static int emits(const lcor_surface *look)
 
 /* ---- faces ---- */
 
-/* Corners a, b, c of a triangle, or three neighbours of a parallelogram. */
-static int add_face(emitter_set *set, const lcor_allocator *allocator, const double normal[3],
-                    uint32_t surface, int back, const double *const corners[3], int triangle)
-{
-    face *f = lcor_array_reserve(allocator, &set->faces, 1, sizeof *f);
-    double u[3], v[3];
-
-    if (!f)
-        return 0;
-    memset(f, 0, sizeof *f);
-    f->surface = surface;
-    f->back = back;
-    vec_sub(corners[1], corners[0], u);
-    vec_sub(corners[2], corners[0], v);
-    for (int k = 0; k < 3; k++)
-        f->normal[k] = back ? -normal[k] : normal[k];
-    set->faces.count += (size_t)face_set(f, corners[0], u, v, triangle);
-    return 1;
-}
-
 /* The emitting sides of a shape that looks like `surface` all over. */
 static int add_shape(emitter_set *set, const lcor_allocator *allocator, const scene_surface *shape,
                      uint32_t surface)
@@ -62,11 +41,9 @@ static int add_shape(emitter_set *set, const lcor_allocator *allocator, const sc
     int good = 1;
 
     for (int back = 0; back <= (look->two_sided != 0) && emits(look); back++)
-        for (size_t i = 1; i + 1 < (quad ? 3 : shape->corner_count) && good; i++) {
-            const double *const corners[3] = {p, p + 3 * i, p + 3 * (quad ? 3 : i + 1)};
-
-            good = add_face(set, allocator, shape->normal, surface, back, corners, !quad);
-        }
+        for (size_t i = 1; i + 1 < (quad ? 3 : shape->corner_count) && good; i++)
+            good = face_append(allocator, &set->faces, shape->normal, surface, back, p, p + 3 * i,
+                               p + 3 * (quad ? 3 : i + 1), !quad);
     return good;
 }
 

@@ -206,10 +206,9 @@ int face_set(face *f, const double origin[3], const double u[3], const double v[
     return 1;
 }
 
-/* Appends the face with corner a and edges to b and c: a triangle, or the parallelogram. */
-static int add_face(const lcor_allocator *allocator, lcor_array *faces, const scene_surface *s,
-                    uint32_t surface, int back, const double a[3], const double b[3],
-                    const double c[3], int triangle)
+int face_append(const lcor_allocator *allocator, lcor_array *faces, const double normal[3],
+                uint32_t surface, int back, const double a[3], const double b[3], const double c[3],
+                int triangle)
 {
     face *f = lcor_array_reserve(allocator, faces, 1, sizeof *f);
     double u[3], v[3];
@@ -223,8 +222,8 @@ static int add_face(const lcor_allocator *allocator, lcor_array *faces, const sc
     vec_sub(back ? c : b, a, u);
     vec_sub(back ? b : c, a, v);
     for (int k = 0; k < 3; k++)
-        f->normal[k] = back ? -s->normal[k] : s->normal[k];
-    faces->count += (size_t)face_set(f, a, u, v, triangle); /* slivers without area are left out */
+        f->normal[k] = back ? -normal[k] : normal[k];
+    faces->count += (size_t)face_set(f, a, u, v, triangle);
     return 1;
 }
 
@@ -252,7 +251,7 @@ static int add_aligned(const lcor_allocator *allocator, lcor_array *faces, const
     vec_plane_point(q->origin, q->edge_u, q->edge_v, s0, t0, o);
     vec_plane_point(o, q->edge_u, q->edge_v, s1 - s0, 0, b);
     vec_plane_point(o, q->edge_u, q->edge_v, 0, t1 - t0, c);
-    return add_face(allocator, faces, q, surface, 0, o, b, c, 0);
+    return face_append(allocator, faces, q->normal, surface, 0, o, b, c, 0);
 }
 
 int face_in_quad(const face *f, const scene_surface *quad, cell *out)
@@ -292,10 +291,12 @@ static int add_piece(const lcor_allocator *allocator, lcor_array *faces, const s
     if (is_parallelogram(q, touch)) {
         if (!back && !add_aligned(allocator, faces, s, surface, q, &done))
             return 0;
-        return done || add_face(allocator, faces, s, surface, back, q->p[0], q->p[1], q->p[3], 0);
+        return done || face_append(allocator, faces, s->normal, surface, back, q->p[0], q->p[1],
+                                   q->p[3], 0);
     }
     for (size_t i = 1; i + 1 < q->n; i++)
-        if (!add_face(allocator, faces, s, surface, back, q->p[0], q->p[i], q->p[i + 1], 1))
+        if (!face_append(allocator, faces, s->normal, surface, back, q->p[0], q->p[i], q->p[i + 1],
+                         1))
             return 0;
     return 1;
 }

@@ -55,6 +55,11 @@ double face_cell_area(const face *f, const cell *c);
 /* Fills origin, u, v and what follows from them; the normal is the caller's. Returns 0 if it has
  * no area. */
 int face_set(face *f, const double origin[3], const double u[3], const double v[3], int triangle);
+/* Appends the face with corner a and edges to b and c: a triangle, or the parallelogram; nothing if
+ * it has no area. `normal` is the surface's. Returns 0 without memory. */
+int face_append(const lcor_allocator *allocator, lcor_array *faces, const double normal[3],
+                uint32_t surface, int back, const double a[3], const double b[3], const double c[3],
+                int triangle);
 /* Four corners in order around the cell; at a triangle's tip two are equal. */
 void face_cell_corners(const face *f, const cell *c, double corners[4][3]);
 
