@@ -31,6 +31,9 @@ PictureReader::PictureReader(const std::string &path) : path_(path)
     if (!input_)
         fail(Exit::input, "cannot read '%s': %s", path.c_str(),
              first_line(OIIO::geterror()).c_str());
+    spec_ = input_->spec();
+    if (spec_.alpha_channel >= spec_.nchannels)
+        spec_.alpha_channel = spec_.nchannels - 1; /* OpenImageIO counts those of GIF from 1 */
     if (spec().deep || spec().depth > 1)
         fail(Exit::input, "'%s' is a deep or volume picture; lcor takes flat ones", path.c_str());
     if (spec().width <= 0 || spec().height <= 0 || spec().nchannels <= 0)

@@ -22,7 +22,7 @@ class PictureReader
   public:
     /* Exit::input when missing, broken, deep or a volume. */
     explicit PictureReader(const std::string &path);
-    const OIIO::ImageSpec &spec() const { return input_->spec(); }
+    const OIIO::ImageSpec &spec() const { return spec_; }
     const std::string &path() const { return path_; }
     size_t width() const { return static_cast<size_t>(spec().width); }
     size_t height() const { return static_cast<size_t>(spec().height); }
@@ -39,6 +39,7 @@ class PictureReader
   private:
     std::string path_;
     std::unique_ptr<OIIO::ImageInput> input_;
+    OIIO::ImageSpec spec_;
 };
 
 /* Fails as a PictureWriter would for a path that cannot be written to or names no format: before

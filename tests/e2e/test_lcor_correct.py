@@ -173,6 +173,19 @@ def test_premultiplied_float_alpha(tmp_path, picture, light):
         assert b == pytest.approx([*(0.5 * x for x in a), 0.5], abs=1e-5)
 
 
+def test_gif_is_corrected_as_the_same_picture_in_png(tmp_path, picture, light):
+    """Its reader says that alpha is the channel after the last one."""
+    gif, straight = tmp_path / "in.gif", tmp_path / "straight.png"
+    oiiotool(picture, "-o", gif)
+    oiiotool(gif, "--ch", "R,G,B", "-o", straight)
+    for path in (gif, straight):
+        good(
+            "correct", path, "--illuminance", light, "--contrast", 9, "-o", path.with_suffix(".tif")
+        )
+    opaque = [(*p, 255.0) for p in pixels(straight.with_suffix(".tif"))]
+    assert pixels(gif.with_suffix(".tif")) == opaque
+
+
 def test_grey_pictures_stay_grey(tmp_path, light):
     grey, colour = tmp_path / "grey.png", tmp_path / "colour.png"
     levels = [0, 30, 90, 128, 200, 255]
