@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli.h"
+#include "message.h"
 
 #include <cstdio>
 #include <exception>
@@ -29,8 +30,24 @@ void print_help()
                 "Everywhere: --json (one document on stdout), --quiet, --help, --version.\n");
 }
 
-cli::Exit dispatch(const cli::Arguments &arguments)
+/* Messages obey --json and --quiet wherever they stand, an unknown command's too. */
+void choose_messages(const cli::Arguments &arguments)
 {
+    for (const std::string &argument : arguments) {
+        if (argument == "--")
+            break;
+        if (argument == "--json")
+            cli::set_json(true);
+        if (argument == "--quiet")
+            cli::set_quiet(true);
+    }
+}
+
+cli::Exit dispatch(cli::Arguments arguments)
+{
+    choose_messages(arguments);
+    while (!arguments.empty() && (arguments[0] == "--json" || arguments[0] == "--quiet"))
+        arguments.erase(arguments.begin());
     const std::string first = arguments.empty() ? "" : arguments[0];
     if (first == "--help" || first == "-h" || first == "help") {
         print_help();

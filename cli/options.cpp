@@ -128,15 +128,6 @@ const std::string &Options::operand(const char *what) const
 
 bool Options::parse(const Arguments &arguments)
 {
-    /* Messages obey these two wherever they stand, so look for them first. */
-    for (const std::string &argument : arguments) {
-        if (argument == "--")
-            break;
-        if (argument == "--json")
-            set_json(true);
-        if (argument == "--quiet")
-            set_quiet(true);
-    }
     for (size_t i = 0; i < arguments.size(); i++) {
         const std::string &argument = arguments[i];
         if (argument == "--") {
@@ -149,7 +140,7 @@ bool Options::parse(const Arguments &arguments)
             continue;
         }
         if (argument == "--json" || argument == "--quiet")
-            continue;
+            continue; /* main() has seen them */
         if (argument == "--help" || argument == "-h") {
             print_help();
             return false;

@@ -140,6 +140,11 @@ def test_an_error_is_a_json_document_too(picture):
     assert "--illuminance" in document["error"]["text"]
 
 
+@pytest.mark.parametrize("arguments", [("--json", "info", "gone"), ("gone", "--json")])
+def test_json_may_stand_before_the_command_and_after_an_unknown_one(arguments):
+    assert json.loads(lcor(*arguments).stdout)["error"]["text"]
+
+
 def test_quiet_says_nothing(tmp_path):
     run = good("room", "--quiet", "-o", tmp_path / "room.glb")
     assert run.stdout == "" and run.stderr == ""
