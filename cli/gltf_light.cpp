@@ -39,6 +39,9 @@ void convert_light(const ModelFile &file, const tinygltf::Light &from, const Tra
         return;
     }
     light.kind = spot ? LCOR_LIGHT_SPOT : directional ? LCOR_LIGHT_DIRECTIONAL : LCOR_LIGHT_POINT;
+    if (!(from.intensity >= 0.0))
+        warn("scene '%s', %s: a light's intensity must be 0 or more; taken as 0", file.name.c_str(),
+             node.c_str());
     const double intensity = std::isfinite(from.intensity) ? std::max(from.intensity, 0.0) : 0.0;
     for (size_t c = 0; c < 3; c++) {
         const double colour = from.color.size() == 3 ? from.color[c] : 1.0;

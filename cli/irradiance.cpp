@@ -38,11 +38,26 @@ std::string trimmed(const std::string &text)
     return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
+/* The cells of a line; commas between quotation marks part none. */
+std::vector<std::string> cells_of(const std::string &line)
+{
+    std::vector<std::string> cells(1);
+    bool quoted = false;
+    for (const char c : line) {
+        quoted = quoted != (c == '"');
+        if (c == ',' && !quoted)
+            cells.emplace_back();
+        else
+            cells.back() += c;
+    }
+    return cells;
+}
+
 /* Where columns x, y, z, nx, ny, nz stand; without a header line they are the first six. */
 std::vector<size_t> columns_of(const std::string &header, const std::string &path)
 {
     const char *const wanted[] = {"x", "y", "z", "nx", "ny", "nz"};
-    const std::vector<std::string> names = split(header, ',');
+    const std::vector<std::string> names = cells_of(header);
     std::vector<size_t> columns;
     for (const char *name : wanted) {
         const auto found = std::find_if(names.begin(), names.end(),
@@ -58,7 +73,7 @@ std::vector<size_t> columns_of(const std::string &header, const std::string &pat
 /* A line without the columns marked. */
 std::string without(const std::string &line, const std::vector<bool> &dropped)
 {
-    const std::vector<std::string> cells = split(line, ',');
+    const std::vector<std::string> cells = cells_of(line);
     std::string text;
     bool first = true;
     for (size_t i = 0; i < cells.size(); i++) {
@@ -75,7 +90,7 @@ void drop_results(Points &points)
 {
     const std::vector<std::string> results = split(value_names, ',');
     std::vector<bool> dropped;
-    for (const std::string &name : split(points.header, ','))
+    for (const std::string &name : cells_of(points.header))
         dropped.push_back(std::find(results.begin(), results.end(), trimmed(name)) !=
                           results.end());
     if (std::find(dropped.begin(), dropped.end(), true) == dropped.end())
@@ -95,18 +110,21 @@ Points read_points(const std::string &path)
     if (points.lines.empty())
         fail(Exit::input, "'%s' is empty; it should hold x,y,z,nx,ny,nz", path.c_str());
     std::vector<size_t> columns = {0, 1, 2, 3, 4, 5};
-    if (!parse_number(trimmed(split(points.lines[0], ',')[0]))) {
+    if (!parse_number(trimmed(cells_of(points.lines[0])[0]))) {
         points.header = points.lines[0];
         columns = columns_of(points.header, path);
         points.lines.erase(points.lines.begin());
     }
     const size_t first = points.header.empty() ? 1 : 2;
+    const size_t width = points.header.empty() ? 6 : cells_of(points.header).size();
     for (size_t i = 0; i < points.lines.size(); i++) {
-        const std::vector<std::string> cells = split(points.lines[i], ',');
+        const std::vector<std::string> cells = cells_of(points.lines[i]);
+        if (cells.size() != width)
+            fail(Exit::input, "'%s' line %zu: %zu columns instead of %zu", path.c_str(), i + first,
+                 cells.size(), width);
         double n[6];
         for (size_t k = 0; k < 6; k++) {
-            const std::optional<double> value =
-                columns[k] < cells.size() ? parse_number(trimmed(cells[columns[k]])) : std::nullopt;
+            const std::optional<double> value = parse_number(trimmed(cells[columns[k]]));
             if (!value)
                 fail(Exit::input, "'%s' line %zu: no number in column %zu", path.c_str(), i + first,
                      columns[k] + 1);

@@ -16,11 +16,16 @@ namespace cli
 {
 
 /* Text as lines of words: a backslash at the end continues a line, a word that starts with '#'
- * ends it. Lines without words are passed over. */
+ * ends it. Lines without words and a byte order mark are passed over. */
 class WordLines
 {
   public:
-    explicit WordLines(std::string_view text) : left_(text) {}
+    explicit WordLines(std::string_view text) : left_(text)
+    {
+        constexpr std::string_view mark = "\xef\xbb\xbf";
+        if (left_.substr(0, mark.size()) == mark)
+            left_.remove_prefix(mark.size());
+    }
     bool next(); /* false at the end of the text */
     size_t line() const { return line_; }
     size_t size() const { return words_.size(); }

@@ -106,9 +106,10 @@ def test_a_dart_is_cut_at_its_dent(tmp_path):
 
 
 def test_lines_as_other_programs_write_them(tmp_path):
-    text = "# by hand\r\nv 0 0 0\r\nv\t1 0 0 # corner\r\nv 1 1 \\\r\n 0\r\nv 0 1 0 1.0\r\n"
+    text = "\ufeffv 9 9 9\r\n# by hand\r\n"
+    text += "v 0 0 0\r\nv\t1 0 0 # corner\r\nv 1 1 \\\r\n 0\r\nv 0 1 0 1.0\r\n"
     obj = tmp_path / "s.OBJ"
-    obj.write_bytes((text + "vn 0 0 1\r\ns off\r\ng a b\r\nf 1//1 2//1 \\\r\n3//1 4//1").encode())
+    obj.write_bytes((text + "vn 0 0 1\r\ns off\r\ng a b\r\nf 2//1 3//1 \\\r\n4//1 5//1").encode())
     info = report("info", obj)
     assert info["area"] == pytest.approx(1) and info["warnings"] == []
     assert info["mean_reflectance"] == pytest.approx(0.8)

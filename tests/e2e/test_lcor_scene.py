@@ -195,6 +195,12 @@ def test_node_transforms_reach_geometry_and_light(tmp_path):
     assert [round(row["nz"]) for row in table(tmp_path / "e.csv")] == [0, -1]
 
 
+def test_a_light_that_takes_light_away_is_none_and_said(tmp_path):
+    scene = lit()
+    scene.light({"type": "point", "intensity": -5.0}, translation=[0.5, 0.5, 1])
+    assert "intensity must be 0 or more" in good("info", save(tmp_path, scene)).stderr
+
+
 def test_directional_and_spot_lights(tmp_path):
     scene = Scene()
     scene.node(mesh=scene.quad(material=scene.material()))
@@ -545,8 +551,13 @@ def test_points_file_keeps_its_columns_and_names_bad_lines(tmp_path):
     assert row.startswith("desk,1,0,0,0,0.5,0.5,2")
     good("irradiance", path, "--points", tmp_path / "e.csv", "-o", tmp_path / "again.csv")
     assert (tmp_path / "again.csv").read_text() == (tmp_path / "e.csv").read_text()
+    points.write_text('name,x,y,z,nx,ny,nz\n"desk, left",0.5,0.5,0,0,0,1\n')
+    good("irradiance", path, "--points", points, "-o", tmp_path / "e.csv")
+    row = (tmp_path / "e.csv").read_text().splitlines()[1]
+    assert row.startswith('"desk, left",0.5,0.5,0,0,0,1,2')
     for text, says in [
         ("", "empty"),
+        ("x,y,z,nx,ny,nz\n1,2,3,0,0,1,7\n", "line 2: 7 columns instead of 6"),
         ("x,y,z\n1,2,3\n", "no column nx"),
         ("x,y,z,nx,ny,nz\n1,2,3,0,0,0\n", "normal has no length"),
         ("x,y,z,nx,ny,nz\n1,2,3,0,0,1\n1,2,oops,0,0,1\n", "line 3"),
