@@ -5,14 +5,16 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define HEADER_MAX 256   /* bytes of header looked at */
-#define SIDE_MAX   65536 /* columns and rows of a map */
+#define HEADER_MAX      256   /* bytes of header looked at */
+#define SIDE_MAX        65536 /* columns and rows of a map */
+#define MAP_PIXEL_WORTH 8     /* page pixels across a map pixel at which it is worth making steps */
 
 /* The next word of a PNM header; '#' starts a comment. Returns its length, 0 at the end. */
 static size_t next_word(const char *text, size_t size, size_t *at, char *word, size_t capacity)
@@ -108,25 +110,32 @@ void illuminance_close(illuminance_map *map)
 }
 
 bool illuminance_rows_open(illuminance_rows *rows, const illuminance_map *map, size_t width,
-                           size_t height)
+                           size_t height, bool in_steps)
 {
     memset(rows, 0, sizeof *rows);
     rows->map = map;
     rows->width = width;
     rows->height = height;
-    if (map->width == 0)
-        return true;
+    rows->in_steps = in_steps && width / MAP_PIXEL_WORTH >= map->width &&
+                     height / MAP_PIXEL_WORTH >= map->height;
+    rows->loaded[0] = rows->loaded[1] = rows->upper = SIZE_MAX;
+    rows->light = malloc(width * sizeof *rows->light);
+    if (map->width == 0) {
+        for (size_t x = 0; rows->light && x < width; x++)
+            rows->light[x] = 1.0f;
+        return rows->light != NULL;
+    }
     const size_t w = map->width + 1; /* one more: the last column's right neighbour is itself */
     rows->left = calloc(width, sizeof *rows->left);
+    rows->place = calloc(width, sizeof *rows->place);
     rows->share = calloc(width, sizeof *rows->share);
     rows->end = calloc(w, sizeof *rows->end);
     rows->rows[0] = calloc(w, sizeof(float));
     rows->rows[1] = calloc(w, sizeof(float));
     rows->mixed = calloc(w, sizeof(float));
     rows->raw = malloc(w * map->sample_bytes);
-    rows->loaded[0] = rows->loaded[1] = SIZE_MAX;
-    if (!rows->left || !rows->share || !rows->end || !rows->rows[0] || !rows->rows[1] ||
-        !rows->mixed || !rows->raw) {
+    if (!rows->light || !rows->left || !rows->place || !rows->share || !rows->end ||
+        !rows->rows[0] || !rows->rows[1] || !rows->mixed || !rows->raw) {
         illuminance_rows_close(rows);
         return false;
     }
@@ -134,7 +143,7 @@ bool illuminance_rows_open(illuminance_rows *rows, const illuminance_map *map, s
         const double u = ((double)x + 0.5) * (double)map->width / (double)width - 0.5;
         const double inside = u < 0.0 ? 0.0 : u;
         rows->left[x] = (size_t)inside < map->width ? (size_t)inside : map->width - 1;
-        rows->share[x] = (float)(inside - (double)rows->left[x]);
+        rows->place[x] = rows->share[x] = (float)(inside - (double)rows->left[x]);
         rows->end[rows->left[x]] = x + 1;
     }
     return true;
@@ -142,7 +151,9 @@ bool illuminance_rows_open(illuminance_rows *rows, const illuminance_map *map, s
 
 void illuminance_rows_close(illuminance_rows *rows)
 {
+    free(rows->light);
     free(rows->left);
+    free(rows->place);
     free(rows->share);
     free(rows->end);
     free(rows->rows[0]);
@@ -181,7 +192,48 @@ static bool load(illuminance_rows *rows, int slot, size_t y)
     return true;
 }
 
-/* The two map rows about row y of the page, in a and b; the share of b. */
+/* The difference of two values of the map in steps, if it can be made in equal steps longer than a
+ * pixel; else 0. */
+static size_t steps_between(float a, float b, size_t pixels, size_t map_pixels)
+{
+    if (a == b)
+        return 1;
+    if (!(a > 0.0f && b > 0.0f))
+        return 0;
+    const float steps = ceilf(fabsf(a - b) / fminf(a, b) / ILLUMINANCE_STEP);
+    return steps < (float)pixels / (float)map_pixels ? (size_t)steps : 0;
+}
+
+/* The middle of the step that holds this share of the way, 0..1. */
+static float in_steps(float share, size_t steps)
+{
+    const size_t step = (size_t)(share * (float)steps);
+    if (steps == 0)
+        return share;
+    return ((float)(step < steps ? step : steps - 1) + 0.5f) / (float)steps;
+}
+
+/* More steps; 0 is the most. */
+static size_t more(size_t a, size_t b) { return a == 0 || b == 0 ? 0 : a > b ? a : b; }
+
+/* The steps between the map rows a and b. */
+static void find_steps(illuminance_rows *rows, const float *a, const float *b)
+{
+    const illuminance_map *map = rows->map;
+    rows->steps_down = 1;
+    for (size_t i = 0; i <= map->width; i++)
+        rows->steps_down =
+            more(rows->steps_down, steps_between(a[i], b[i], rows->height, map->height));
+    for (size_t x = 0; x < rows->width;) {
+        const size_t i = rows->left[x], end = rows->end[i];
+        const size_t steps = more(steps_between(a[i], a[i + 1], rows->width, map->width),
+                                  steps_between(b[i], b[i + 1], rows->width, map->width));
+        for (; x < end; x++)
+            rows->share[x] = in_steps(rows->place[x], steps);
+    }
+}
+
+/* The two map rows about row y of the page, in a and b; the share of b; the steps between them. */
 static bool load_two(illuminance_rows *rows, size_t y, const float **a, const float **b,
                      float *share)
 {
@@ -193,34 +245,42 @@ static bool load_two(illuminance_rows *rows, size_t y, const float **a, const fl
     /* Even rows live in slot 0 and odd ones in slot 1, so going down a page reads each row once. */
     *a = rows->rows[upper % 2];
     *b = rows->rows[lower % 2];
-    *share = (float)(inside - (double)upper);
-    return load(rows, (int)(upper % 2), upper) && load(rows, (int)(lower % 2), lower);
+    if (!load(rows, (int)(upper % 2), upper) || !load(rows, (int)(lower % 2), lower))
+        return false;
+    if (rows->upper != upper) {
+        rows->upper = upper;
+        rows->down = -1.0f; /* the row drawn last lies between others */
+        if (rows->in_steps)
+            find_steps(rows, *a, *b);
+    }
+    *share = in_steps((float)(inside - (double)upper), rows->steps_down);
+    return true;
 }
 
 static float mix(float a, float b, float share) { return a + share * (b - a); }
 
-bool illuminance_row(illuminance_rows *rows, size_t y, float *out)
+const float *illuminance_row(illuminance_rows *rows, size_t y)
 {
-    const size_t width = rows->width;
     const float *a, *b;
     float down;
-    if (rows->map->width == 0) {
-        for (size_t x = 0; x < width; x++)
-            out[x] = 1.0f;
-        return true;
-    }
+    if (rows->map->width == 0)
+        return rows->light;
     if (!load_two(rows, y, &a, &b, &down))
-        return false;
+        return NULL;
+    if (down == rows->down)
+        return rows->light;
     for (size_t x = 0; x <= rows->map->width; x++)
         rows->mixed[x] = mix(a[x], b[x], down);
     /* Between two columns of the map there is no looking up. */
-    for (size_t x = 0; x < width;) {
+    for (size_t x = 0; x < rows->width;) {
         const size_t left = rows->left[x], end = rows->end[left];
         const float l = rows->mixed[left], r = rows->mixed[left + 1];
         for (; x < end; x++)
-            out[x] = mix(l, r, rows->share[x]);
+            rows->light[x] = mix(l, r, rows->share[x]);
     }
-    return true;
+    rows->down = down;
+    rows->drawn++;
+    return rows->light;
 }
 
 bool illuminance_at(illuminance_rows *rows, size_t y, size_t n, const size_t *x, float *out)

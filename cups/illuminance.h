@@ -21,24 +21,36 @@ typedef struct illuminance_map {
 bool illuminance_open(illuminance_map *map, const char *path);
 void illuminance_close(illuminance_map *map);
 
+/* The largest step of light along a row or down a column, relative: no eye sees it. The light of a
+ * step is that of its middle, so it is within this of the interpolated one. */
+#define ILLUMINANCE_STEP 0.002f
+
 /* Bilinear resampling to `width` columns, pixel centres aligned. One per thread. */
 typedef struct illuminance_rows {
     const illuminance_map *map;
     size_t width, height; /* of the page */
-    size_t *left;         /* for each column: map column on the left ... */
-    float *share;         /* ... and the share of the one on its right */
-    size_t *end;          /* for each map column: page column where the next one is on the left */
-    float *rows[2];       /* two neighbouring map rows */
-    float *mixed;         /* their mixture */
-    size_t loaded[2];     /* which rows they are */
-    unsigned char *raw;   /* one stored row */
+    bool in_steps;      /* as long as the step between them allows; else every pixel has its own */
+    size_t *left;       /* for each column: map column on the left, ... */
+    float *place;       /* ... how far it is on the way to the next one, 0..1 ... */
+    float *share;       /* ... and where the middle of its step is */
+    size_t *end;        /* for each map column: page column where the next one is on the left */
+    float *rows[2];     /* two neighbouring map rows */
+    float *mixed;       /* their mixture */
+    size_t loaded[2];   /* which rows they are */
+    unsigned char *raw; /* one stored row */
+    size_t upper;       /* the map row above the page row asked for last */
+    size_t steps_down;  /* from there to the next one; 0: every row has its own light */
+    float *light;       /* the row of the page made last */
+    float down;         /* how far it is on that way */
+    size_t drawn;       /* how many have been made */
 } illuminance_rows;
 
 bool illuminance_rows_open(illuminance_rows *rows, const illuminance_map *map, size_t width,
-                           size_t height);
+                           size_t height, bool in_steps);
 void illuminance_rows_close(illuminance_rows *rows);
-/* All of row y of the page; false if the file could not be read. */
-bool illuminance_row(illuminance_rows *rows, size_t y, float *out);
+/* All of row y of the page, valid until the next one is asked for: the same as before unless
+ * rows->drawn has changed. NULL if the file could not be read. */
+const float *illuminance_row(illuminance_rows *rows, size_t y);
 /* Its columns x[0..n-1] alone, the same values. */
 bool illuminance_at(illuminance_rows *rows, size_t y, size_t n, const size_t *x, float *out);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "page.h"
 
-#include "memo.h"
 #include "pipeline.h"
+#include "repeats.h"
 #include "sample.h"
 
 #include <errno.h>
@@ -17,11 +17,11 @@
 /* What one thread needs of its own. */
 typedef struct hand {
     illuminance_rows light_rows;
-    float *light; /* one row */
     row_sample sample;
+    float *light;          /* of the sample */
     double *r;             /* of the sample */
     unsigned char *spread; /* one grey row as RGB */
-    memo *seen;            /* colours met before, or NULL: the light varies */
+    repeats repeats;       /* of pages that may repeat themselves */
     lcor_mean mean;
     lcor_row_stats stats;
 } hand;
@@ -40,7 +40,7 @@ typedef struct page {
     size_t workers;
     size_t hand_count; /* one for each worker; with a running mean, then the filling thread's */
     hand *hands;
-    bool repeats; /* one plan and the same light everywhere: equal colours stay equal */
+    bool repeats; /* 8 bits: light goes in steps, and what repeats is computed once */
 } page;
 
 /* The mean of r depends on the pixels ... */
@@ -226,17 +226,21 @@ static bool work_correct(void *user, size_t worker, pipeline_band *band)
     hand *h = &p->hands[worker];
     const raster_format *format = p->format;
     const lcor_plan *plan = p->band_plans[band->slot] ? p->band_plans[band->slot] : p->plan;
+    if (p->band_plans[band->slot])
+        repeats_forget(&h->repeats);
     for (size_t i = 0; i < band->rows; i++) {
         const size_t y = band->first + i;
         unsigned char *row = band->pixels + i * format->row_bytes, *texels = row;
-        if (!illuminance_row(&h->light_rows, y, h->light))
+        const float *light = illuminance_row(&h->light_rows, y);
+        if (!light)
             return no_light(p);
         if (format->samples == 1)
             spread_grey(format, row, texels = h->spread);
-        if (h->seen)
-            memo_correct_row(h->seen, plan, format->width, texels, h->light);
+        if (p->repeats)
+            repeats_correct_row(&h->repeats, plan, y, texels, light, h->light_rows.drawn,
+                                &h->stats);
         else
-            lcor_correct_row(plan, y, format->width, texels, h->light, NULL, texels, &h->stats);
+            lcor_correct_row(plan, y, format->width, texels, light, NULL, texels, &h->stats);
         if (texels != row)
             gather_grey(format, texels, row);
     }
@@ -309,12 +313,12 @@ static bool make_hand(const page *p, hand *h)
     const size_t width = p->format->width;
     const bool is_grey = p->format->samples == 1;
     lcor_mean_init(&h->mean);
-    h->light = malloc(width * sizeof *h->light);
     h->spread = is_grey ? malloc(width * 6) : NULL;
-    h->seen = p->repeats ? calloc(1, sizeof *h->seen) : NULL;
-    if (h->light && (h->spread || !is_grey) && (h->seen || !p->repeats) &&
-        row_sample_open(&h->sample, p->format) && (h->r = malloc(h->sample.count * sizeof *h->r)) &&
-        illuminance_rows_open(&h->light_rows, &p->job->map, width, p->format->height))
+    if ((h->spread || !is_grey) && (!p->repeats || repeats_open(&h->repeats, width)) &&
+        row_sample_open(&h->sample, p->format) &&
+        (h->light = malloc(h->sample.count * sizeof *h->light)) &&
+        (h->r = malloc(h->sample.count * sizeof *h->r)) &&
+        illuminance_rows_open(&h->light_rows, &p->job->map, width, p->format->height, p->repeats))
         return true;
     filter_say("ERROR", "page %u: no memory for rows of %zu pixels", p->number, width);
     return false;
@@ -343,7 +347,7 @@ static void close_page(page *p)
         free(p->hands[i].light);
         free(p->hands[i].r);
         free(p->hands[i].spread);
-        free(p->hands[i].seen);
+        repeats_close(&p->hands[i].repeats);
         row_sample_close(&p->hands[i].sample);
         illuminance_rows_close(&p->hands[i].light_rows);
     }
@@ -389,17 +393,16 @@ static void report(const page *p)
     }
     filter_say("DEBUG", "page %u: r_mean %.9g, contrast %.4g", p->number, p->options.r_mean,
                p->options.contrast);
-    if (!p->repeats)
-        filter_say("DEBUG",
-                   "page %u: of %llu pixels %llu too dark and %llu too light for the device, %llu "
-                   "outside its gamut",
-                   p->number, (unsigned long long)sum.pixels, (unsigned long long)sum.clipped_low,
-                   (unsigned long long)sum.clipped_high, (unsigned long long)sum.out_of_gamut);
+    filter_say("DEBUG",
+               "page %u: %llu pixels computed, %llu too dark and %llu too light for the device, "
+               "%llu outside its gamut",
+               p->number, (unsigned long long)sum.pixels, (unsigned long long)sum.clipped_low,
+               (unsigned long long)sum.clipped_high, (unsigned long long)sum.out_of_gamut);
     if (sum.non_finite > 0)
         filter_say("WARNING",
-                   "page %u: the illuminance map is negative or no number under %llu "
-                   "pixels, which are black",
-                   p->number, (unsigned long long)sum.non_finite);
+                   "page %u: the illuminance map is negative or no number under pixels that are "
+                   "black now",
+                   p->number);
 }
 
 static page *open_page(const filter_job *job, unsigned number, const raster_format *format,
@@ -440,8 +443,7 @@ bool page_correct(const filter_job *job, unsigned number, const raster_format *f
         return copied;
     }
     set_options(p);
-    p->repeats = job->map.width == 0 && format->type == LCOR_U8 &&
-                 p->options.in_layout.pixel_step == 3 && !is_running_mean(job);
+    p->repeats = format->type == LCOR_U8 && p->options.in_layout.pixel_step == 3;
     bool good = make_hands(p);
     bool (*fill)(void *, pipeline_band *) = fill_from_raster;
     if (is_running_mean(job)) {

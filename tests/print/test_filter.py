@@ -179,20 +179,56 @@ def test_even_light_changes_no_byte_of_the_pixels(correct, tmp_path):
             assert np.array_equal(out.pixels, pixels)
 
 
+def repeating(rng, height, width, colours):
+    """Paper, letters, and a photograph that a renderer enlarged 6.67 times."""
+    pixels = np.full((height, width, colours), 255, np.uint8)
+    letters = rng.integers(0, 3, (height // 8, width)) == 0
+    pixels[height // 4 : height // 2][letters.repeat(8, 0)[: height // 2 - height // 4]] = 20
+    small = rng.integers(60, 200, (height // 2, width, colours), np.uint8)
+    y, x = ((np.arange(n) / 6.67).astype(int) for n in (height - height // 2, width))
+    pixels[height // 2 :] = small[y][:, x]
+    return pixels
+
+
 @pytest.mark.parametrize("space", [SRGB, W, K])
-def test_colours_met_before_come_out_as_if_each_pixel_were_computed(correct, tmp_path, space):
+@pytest.mark.parametrize("light", ["even", "steps", "map"])
+def test_what_repeats_comes_out_as_if_each_pixel_were_computed(correct, tmp_path, space, light):
     rng = np.random.default_rng(3)
-    pixels = rng.integers(0, 256, (700, 400, 3 if space == SRGB else 1), np.uint8)  # few repeat
-    pixels[:200] = 255
-    pixels[20:60] = rng.integers(0, 256, (12, pixels.shape[2]), np.uint8)[
-        rng.integers(0, 12, (40, 400))
-    ]
-    data = raster.write([Page(pixels, space)])
-    light = save_pfm(tmp_path / "map.pfm", np.ones((2, 2)))  # a map: every pixel is computed
+    shape = (700, 401, 3 if space == SRGB else 1)
+    paper, noise = repeating(rng, *shape), rng.integers(0, 256, shape, np.uint8)
+    here = rng.integers(0, 2, shape[:2], np.uint8)[..., None] == 0
     options = "lcor-contrast=9 lcor-reading=texel lcor-mean=0.4"
-    seen, computed = correct(data, options), correct(data, f"{options} lcor-illuminance={light}")
-    assert seen.code == 0 and seen.out == computed.out and "pixels" not in seen.log
-    assert "of 280000 pixels" in computed.log
+    if light != "even":
+        stretched = 1 + ramp(5, 7) / 10 if light == "steps" else ramp(*shape[:2])
+        options += f" lcor-illuminance={save_pfm(tmp_path / 'map.pfm', stretched)}"
+    pages = (paper, noise, np.where(here, paper, noise), np.where(here, noise, paper))
+    runs = [correct(raster.write([Page(p, space)]), options) for p in pages]
+    assert all(run.code == 0 for run in runs), runs[0].log
+    a, b, mixed, other = (raster.read(run.out)[0].pixels for run in runs)
+    # A pixel comes out as its colour and its light say, whatever lies about it.
+    assert np.array_equal(mixed, np.where(here, a, b))
+    assert np.array_equal(other, np.where(here, b, a))
+    computed = [int(re.findall(r"(\d+) pixels computed", run.log)[0]) for run in runs]
+    assert computed[0] < here.size * {"even": 0.2, "steps": 0.3, "map": 1}[light] + 1
+    assert 0.99 * here.size < computed[1] <= here.size
+
+
+def test_the_steps_of_light_are_too_small_to_be_seen(correct, tmp_path):
+    rng = np.random.default_rng(4)
+    height, width = 400, 600
+    pixels = rng.integers(0, 256, (height, width, 1), np.uint8).repeat(3, 2)
+    light = 1 + ramp(4, 6) / 5
+    light[2, 3] = 40  # an edge, which is no place for steps
+    options = f"lcor-contrast=23.4 lcor-illuminance={save_pfm(tmp_path / 'map.pfm', light)}"
+    in_steps = correct(raster.write([Page(pixels)]), options)
+    smooth = correct(raster.write([Page(pixels * np.uint16(257))]), options)
+    assert in_steps.code == 0 and smooth.code == 0, in_steps.log
+    a = raster.read(in_steps.out)[0].pixels.astype(float)
+    off = np.abs(a - raster.read(smooth.out)[0].pixels / 257)
+    # Light is off by half a step along and half a step down, T / q by as much of 0.545, Ynew / Y by
+    # 0.545 q / T of it. A code is 255 1.055 Ynew^(1/2.4), so it is off by 0.24 at the most where q
+    # is above 0.5; and the light is nowhere near the edge below that. Half a code is rounding.
+    assert off.max() < 0.5 + 0.27
 
 
 def test_a_corrected_page_is_marked_and_not_corrected_again(correct):
