@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700
 #include "lccal.h"
 
 #include <errno.h>
@@ -71,14 +71,14 @@ static int keep_backup(const char *path, const char *backup)
     /* No hard links on this file system: copy. */
     char *bytes = NULL;
     size_t size = 0;
-    if (lccal_load_file(path, &bytes, &size) != LCCAL_OK)
+    if (lccal_load_file(path, LCCAL_FAILED, &bytes, &size) != LCCAL_OK)
         return EIO;
     const int status = lccal_save_file(backup, bytes, size, false);
     free(bytes);
     return status == LCCAL_OK ? 0 : EIO;
 }
 
-int lccal_save_file(const char *path, const void *bytes, size_t size, bool backup)
+static int replace_file(const char *path, const void *bytes, size_t size, mode_t mode, bool backup)
 {
     const size_t length = strlen(path);
     char *temporary = malloc(length + 8);
@@ -99,10 +99,8 @@ int lccal_save_file(const char *path, const void *bytes, size_t size, bool backu
         result = fail_file(step, path, errno);
         goto done;
     }
-    /* The file gets the rights any new file would get, not mkstemp's private ones. */
-    const mode_t mask = umask(0);
-    umask(mask);
-    if (fchmod(fd, 0666 & ~mask) != 0 || !write_all(fd, bytes, size) || fsync(fd) != 0)
+    if (fchmod(fd, mode) != 0 || /* not mkstemp's private rights */
+        !write_all(fd, bytes, size) || fsync(fd) != 0)
         error = errno;
     if (close(fd) != 0 && error == 0)
         error = errno;
@@ -127,11 +125,53 @@ done:
     return result;
 }
 
-int lccal_load_file(const char *path, char **bytes, size_t *size)
+/* Devices and pipes are written to as they are. */
+static int write_device(const char *path, const void *bytes, size_t size)
+{
+    int error = 0;
+    const int fd = open(path, O_WRONLY);
+    if (fd < 0)
+        return fail_file("write", path, errno);
+    if (!write_all(fd, bytes, size))
+        error = errno;
+    if (close(fd) != 0 && error == 0)
+        error = errno;
+    return error == 0 ? LCCAL_OK : fail_file("write", path, error);
+}
+
+int lccal_check_target(const char *path)
+{
+    struct stat info;
+    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
+        return lccal_fail(LCCAL_USAGE, "'%s' is a folder; name a file in it", path);
+    return LCCAL_OK;
+}
+
+int lccal_save_file(const char *path, const void *bytes, size_t size, bool backup)
+{
+    struct stat info;
+    if (stat(path, &info) != 0) {
+        const mode_t mask = umask(0);
+        umask(mask);
+        return replace_file(path, bytes, size, 0666 & ~mask, backup);
+    }
+    if (S_ISDIR(info.st_mode))
+        return lccal_check_target(path);
+    if (!S_ISREG(info.st_mode))
+        return write_device(path, bytes, size);
+    char *target = realpath(path, NULL);
+    if (!target)
+        return fail_file("write", path, errno);
+    const int result = replace_file(target, bytes, size, info.st_mode & 07777, backup);
+    free(target);
+    return result;
+}
+
+int lccal_load_file(const char *path, int missing, char **bytes, size_t *size)
 {
     FILE *file = fopen(path, "rb");
     if (!file)
-        return lccal_fail(errno == EACCES ? LCCAL_PERMISSION : LCCAL_FAILED, "cannot read '%s': %s",
+        return lccal_fail(errno == EACCES ? LCCAL_PERMISSION : missing, "cannot read '%s': %s",
                           path, strerror(errno));
     char *text = NULL;
     size_t used = 0, room = 0;
@@ -152,7 +192,7 @@ int lccal_load_file(const char *path, char **bytes, size_t *size)
         if (n > 0)
             continue;
         if (ferror(file))
-            result = lccal_fail(LCCAL_FAILED, "cannot read '%s': %s", path, strerror(errno));
+            result = lccal_fail(missing, "cannot read '%s': %s", path, strerror(errno));
         break;
     }
     fclose(file);

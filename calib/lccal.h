@@ -99,12 +99,17 @@ bool lccal_ends_with(const char *text, const char *end);
 
 /* Put `size` bytes at `path` so that a crash at any moment leaves either the whole old file or the
  * whole new one: temporary file beside it, fsync, rename, fsync of the folder. A file already there
- * is kept as `path~` when `backup` is set. Failure is told to the user; returns an exit code. */
+ * keeps its rights, and its content as `path~` when `backup` is set; what a link leads to is
+ * replaced, not the link, and devices are written to. Failure is told to the user; returns an exit
+ * code. */
 int lccal_save_file(const char *path, const void *bytes, size_t size, bool backup);
 
+/* Refuses what lccal_save_file() would, as far as that can be told before the work. */
+int lccal_check_target(const char *path);
+
 /* The whole file at `path` (at most 64 MiB), NUL-terminated, from malloc. Failure is told to the
- * user; returns an exit code. */
-int lccal_load_file(const char *path, char **bytes, size_t *size);
+ * user; returns an exit code: `missing` for a file that is not there or is none. */
+int lccal_load_file(const char *path, int missing, char **bytes, size_t *size);
 
 /* ---- measuring ---- */
 

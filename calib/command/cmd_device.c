@@ -76,7 +76,7 @@ static int save(const instrument *in, const char *path)
     char since[24], text[INSTRUMENT_FACTS * 128];
     char *old = NULL;
     size_t size;
-    if (access(path, F_OK) == 0 && lccal_load_file(path, &old, &size) != LCCAL_OK)
+    if (access(path, F_OK) == 0 && lccal_load_file(path, LCCAL_FAILED, &old, &size) != LCCAL_OK)
         return LCCAL_FAILED;
     calibration_since(in, old, since);
     free(old);
@@ -93,7 +93,7 @@ static int compare(const instrument *in, const char *path)
 {
     char *text;
     size_t size, changes = 0;
-    const int loaded = lccal_load_file(path, &text, &size);
+    const int loaded = lccal_load_file(path, LCCAL_FAILED, &text, &size);
     if (loaded != LCCAL_OK)
         return loaded;
     for (size_t i = 0; i < in->fact_count; i++) {

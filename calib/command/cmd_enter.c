@@ -192,7 +192,7 @@ static int import(const char *path, lcor_profile_black black, lcor_profile **out
     char *text;
     size_t size;
     lcor_error err;
-    const int loaded = lccal_load_file(path, &text, &size);
+    const int loaded = lccal_load_file(path, LCCAL_BAD_PROFILE, &text, &size);
     if (loaded != LCCAL_OK)
         return loaded;
     buffer cgats = {0};

@@ -124,6 +124,8 @@ int cmd_measure(int argc, char **argv)
     result = check_options(&o);
     if (result == LCCAL_OK)
         result = check_description(print);
+    if (result == LCCAL_OK)
+        result = lccal_check_target(output);
     if (result != LCCAL_OK)
         return result;
     char found[128];

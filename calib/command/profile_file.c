@@ -11,7 +11,7 @@ int profile_load(const char *path, lcor_profile **out)
     char *text;
     size_t size;
     lcor_error err;
-    const int loaded = lccal_load_file(path, &text, &size);
+    const int loaded = lccal_load_file(path, LCCAL_BAD_PROFILE, &text, &size);
     if (loaded != LCCAL_OK)
         return loaded;
     const lcor_status status = lcor_profile_parse(text, size, NULL, out, &err);

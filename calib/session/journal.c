@@ -25,7 +25,7 @@ static void set_aside(const char *path)
 
 static int load(journal *j, const char *header)
 {
-    const int result = lccal_load_file(j->path, &j->text, &j->size);
+    const int result = lccal_load_file(j->path, LCCAL_FAILED, &j->text, &j->size);
     if (result != LCCAL_OK)
         return result;
     const size_t n = strlen(header);

@@ -247,7 +247,7 @@ def test_a_reading_gone_wrong_is_kept_and_marked(tmp_path):
     (["--dmin", "0.07", "--dmax", "1.44", "--material", 'a "b"'], 2, "MATERIAL"),
     (["--dmin", "0.07"], 2, "--dmax"),
     (["extra"], 2, "one argument too many"),
-    (["--import", "/nowhere/at/all.ti3"], 1, "/nowhere/at/all.ti3"),
+    (["--import", "/nowhere/at/all.ti3"], 7, "/nowhere/at/all.ti3"),
 ])
 def test_wrong_arguments(tmp_path, arguments, code, words):
     output = tmp_path / "p.cgats"

@@ -85,7 +85,7 @@ def test_a_broken_profile_is_refused(tmp_path, profile, command):
         assert run.returncode == 7, run.stderr
         assert "broken.cgats" in run.stderr
         assert len(run.stderr.strip().splitlines()) == 1
-    assert lccal(*command, tmp_path / "nowhere").returncode == 1
+    assert lccal(*command, tmp_path / "nowhere").returncode == 7
 
 
 @pytest.mark.parametrize("change, code", [

@@ -73,6 +73,24 @@ def test_stored_profile_has_the_rights_of_any_new_file(tmp_path, script):
     assert profile.stat().st_mode & 0o777 == 0o640
 
 
+def test_what_a_link_leads_to_is_written_with_its_rights(tmp_path, script):
+    profile, link, device = tmp_path / "p.cgats", tmp_path / "link", tmp_path / "device"
+    profile.write_bytes(EARLIER)
+    profile.chmod(0o600)
+    link.symlink_to(profile)
+    device.symlink_to("/dev/null")
+    for output in (link, device):
+        assert measure(script, output).returncode == 0
+        assert output.is_symlink()
+    assert profile.read_bytes() != EARLIER and profile.stat().st_mode & 0o777 == 0o600
+
+
+def test_a_folder_is_refused_before_measuring(tmp_path, script):
+    run = measure(script, tmp_path)
+    assert run.returncode == 2 and "is a folder" in run.stderr
+    assert list(tmp_path.parent.glob("*.journal")) == []
+
+
 def test_disk_full_while_saving(tmp_path, script):
     profile = tmp_path / "disk" / "p.cgats"
     profile.parent.mkdir()
