@@ -73,3 +73,51 @@ size_t pack_rows(const unsigned char *pixels, size_t rows, size_t row_pixels, si
     }
     return (size_t)(to - begin);
 }
+
+/* One row; returns where its bytes end, or NULL if they do not make a row. */
+static const unsigned char *unpack_row(const unsigned char *p, const unsigned char *end,
+                                       size_t pixels, size_t pixel_bytes, unsigned char *to)
+{
+    while (pixels > 0) {
+        if (p == end)
+            return NULL;
+        const bool is_run = *p < PIXELS_MAX;
+        const size_t n = is_run ? *p + 1u : 257u - *p;
+        const size_t bytes = (is_run ? 1 : n) * pixel_bytes;
+        p++;
+        if (n > pixels || bytes > (size_t)(end - p))
+            return NULL;
+        if (is_run) {
+            unsigned char pixel[PACK_SLACK] = {0};
+            memcpy(pixel, p, pixel_bytes);
+            for (size_t i = 0; i < n; i++)
+                memcpy(to + i * pixel_bytes, pixel, PACK_SLACK);
+        } else {
+            memcpy(to, p, bytes);
+        }
+        p += bytes;
+        to += n * pixel_bytes;
+        pixels -= n;
+    }
+    return p;
+}
+
+bool unpack_rows(const unsigned char *packed, size_t size, size_t rows, size_t row_pixels,
+                 size_t pixel_bytes, unsigned char *pixels)
+{
+    const unsigned char *p = packed, *const end = packed + size;
+    const size_t row_bytes = row_pixels * pixel_bytes;
+    while (rows > 0) {
+        const size_t n = p < end ? *p++ + 1u : 0;
+        if (n == 0 || n > rows)
+            return false;
+        p = unpack_row(p, end, row_pixels, pixel_bytes, pixels);
+        if (!p)
+            return false;
+        for (size_t i = 1; i < n; i++)
+            memcpy(pixels + i * row_bytes, pixels, row_bytes);
+        pixels += n * row_bytes;
+        rows -= n;
+    }
+    return p == end;
+}

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "page.h"
 
+#include "pack.h"
 #include "pipeline.h"
 #include "repeats.h"
 #include "sample.h"
@@ -134,15 +135,23 @@ static bool fill_from_raster(void *user, pipeline_band *band)
     return false;
 }
 
-/* All of a band to or from the spool file. */
-static bool through_spool(page *p, const pipeline_band *band, bool out)
+static size_t units_of_row(const raster_format *format)
 {
-    const size_t size = band->rows * p->format->row_bytes;
-    const off_t at = (off_t)band->first * (off_t)p->format->row_bytes;
+    return format->row_bytes / format->unit_bytes;
+}
+
+/* The most bytes of a packed row. */
+static size_t packed_row_max(const raster_format *format)
+{
+    return pack_row_max(units_of_row(format), format->unit_bytes);
+}
+
+/* All of some bytes to or from the spool file, which goes from its beginning to its end. */
+static bool through_spool(page *p, unsigned char *bytes, size_t size, bool out)
+{
     for (size_t done = 0; done < size;) {
-        unsigned char *bytes = band->pixels + done;
-        const ssize_t n = out ? pwrite(p->spool, bytes, size - done, at + (off_t)done)
-                              : pread(p->spool, bytes, size - done, at + (off_t)done);
+        const ssize_t n = out ? write(p->spool, bytes + done, size - done)
+                              : read(p->spool, bytes + done, size - done);
         if (n <= 0 && !(n < 0 && errno == EINTR)) {
             filter_say("ERROR", "page %u: the temporary file cannot be %s: %s", p->number,
                        out ? "written" : "read", n < 0 ? strerror(errno) : "it is too short");
@@ -153,14 +162,29 @@ static bool through_spool(page *p, const pipeline_band *band, bool out)
     return true;
 }
 
+static bool damaged_spool(const page *p)
+{
+    filter_say("ERROR", "page %u: the temporary file is damaged", p->number);
+    return false;
+}
+
+/* In the spool file bands are packed, each after its size. */
 static bool fill_from_spool(void *user, pipeline_band *band)
 {
-    return through_spool(user, band, false);
+    page *p = user;
+    unsigned char *size = (unsigned char *)&band->packed_size;
+    if (!through_spool(p, size, sizeof band->packed_size, false))
+        return false;
+    if (band->packed_size > band->rows * packed_row_max(p->format))
+        return damaged_spool(p);
+    return through_spool(p, band->packed, band->packed_size, false);
 }
 
 static bool empty_to_spool(void *user, pipeline_band *band)
 {
-    return through_spool(user, band, true);
+    unsigned char *size = (unsigned char *)&band->packed_size;
+    return through_spool(user, size, sizeof band->packed_size, true) &&
+           through_spool(user, band->packed, band->packed_size, true);
 }
 
 static bool empty_to_raster(void *user, pipeline_band *band)
@@ -206,6 +230,9 @@ static bool fill_and_adapt(void *user, pipeline_band *band)
 static bool work_measure(void *user, size_t worker, pipeline_band *band)
 {
     page *p = user;
+    const raster_format *format = p->format;
+    band->packed_size =
+        pack_rows(band->pixels, band->rows, units_of_row(format), format->unit_bytes, band->packed);
     return measure_rows(p, &p->hands[worker], band);
 }
 
@@ -226,6 +253,9 @@ static bool work_correct(void *user, size_t worker, pipeline_band *band)
     hand *h = &p->hands[worker];
     const raster_format *format = p->format;
     const lcor_plan *plan = p->band_plans[band->slot] ? p->band_plans[band->slot] : p->plan;
+    if (p->spool >= 0 && !unpack_rows(band->packed, band->packed_size, band->rows,
+                                      units_of_row(format), format->unit_bytes, band->pixels))
+        return damaged_spool(p);
     if (p->band_plans[band->slot])
         repeats_forget(&h->repeats);
     for (size_t i = 0; i < band->rows; i++) {
@@ -253,11 +283,10 @@ static bool run(page *p, bool (*fill)(void *, pipeline_band *),
                 bool (*work)(void *, size_t, pipeline_band *),
                 bool (*empty)(void *, pipeline_band *))
 {
-    const bool goes_out = empty == empty_to_raster;
+    const bool packs = p->spool >= 0 || p->writer->packs;
     const pipeline line = {.height = p->format->height,
                            .row_bytes = p->format->row_bytes,
-                           .packed_row_bytes =
-                               goes_out ? raster_packed_max(p->writer, p->format) : 0,
+                           .packed_row_bytes = packs ? packed_row_max(p->format) : 0,
                            .workers = p->workers,
                            .fill = fill,
                            .work = work,
@@ -305,6 +334,11 @@ static bool mean_of_pixels(page *p)
     for (size_t i = 1; i < p->hand_count; i++)
         if (lcor_mean_merge(&p->hands[0].mean, &p->hands[i].mean, NULL) != LCOR_OK)
             return false;
+    if (lseek(p->spool, 0, SEEK_SET) != 0) {
+        filter_say("ERROR", "page %u: the temporary file cannot be read: %s", p->number,
+                   strerror(errno));
+        return false;
+    }
     return take_mean(p, &p->hands[0].mean);
 }
 

@@ -190,12 +190,6 @@ bool raster_write_header(raster_writer *writer, cups_page_header2_t *header)
     return cupsRasterWriteHeader2(writer->raster, header) != 0;
 }
 
-size_t raster_packed_max(const raster_writer *writer, const raster_format *format)
-{
-    return writer->packs ? pack_row_max(format->row_bytes / format->unit_bytes, format->unit_bytes)
-                         : 0;
-}
-
 size_t raster_pack(const raster_writer *writer, const raster_format *format, size_t rows,
                    unsigned char *pixels, unsigned char *to)
 {

@@ -60,8 +60,6 @@ bool raster_read_header(raster_reader *reader, cups_page_header2_t *header, bool
 bool raster_writer_open(raster_writer *writer, const raster_reader *reader,
                         const cups_page_header2_t *first, cups_raster_iocb_t write, void *context);
 bool raster_write_header(raster_writer *writer, cups_page_header2_t *header);
-/* The most bytes of a packed row; 0 if the stream is not compressed. */
-size_t raster_packed_max(const raster_writer *writer, const raster_format *format);
 /* Rows of a compressed stream, packed into `to`; changes `pixels`. Any thread may do it. */
 size_t raster_pack(const raster_writer *writer, const raster_format *format, size_t rows,
                    unsigned char *pixels, unsigned char *to);

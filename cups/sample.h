@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* The pixels that stand for a page in the mean of r. A page of up to 2^20 pixels is taken whole. Of
+/* The pixels that stand for a page in the mean of r. A page of up to 2^18 pixels is taken whole. Of
  * larger ones every row gives one pixel of each of equal stretches, at a place drawn anew for each,
  * so that no pattern of the page falls in with theirs: the mean of ln r has a standard error of a
- * thousandth of the deviation within those stretches. */
+ * five-hundredth of the deviation within those stretches. */
 #ifndef RASTERTOLCOR_SAMPLE_H
 #define RASTERTOLCOR_SAMPLE_H
 
 #include "raster.h"
 
-#define SAMPLE_PIXELS ((size_t)1 << 20)
+#define SAMPLE_PIXELS ((size_t)1 << 18)
 
 typedef struct row_sample {
     const raster_format *format;

@@ -452,7 +452,9 @@ def test_the_mean_of_two_passes_can_be_saved_and_given_back(correct, tmp_path):
 @pytest.mark.parametrize(
     ("space", "dtype", "order"), [(SRGB, np.uint8, BANDED), (K, np.uint16, raster.CHUNKED)]
 )
-def test_a_large_page_gives_its_mean_by_a_million_pixels(correct, tmp_path, space, dtype, order):
+def test_a_large_page_gives_its_mean_by_a_part_of_its_pixels(
+    correct, tmp_path, space, dtype, order
+):
     height, width, top = 1024, 2048, np.iinfo(dtype).max
     y, x = np.mgrid[0:height, 0:width]
     grey = np.where(x % 2 == 1, 0.9, 0.2 + 0.6 * y / height)  # a grid hits or misses
@@ -474,9 +476,26 @@ def test_a_large_page_gives_its_mean_by_a_million_pixels(correct, tmp_path, spac
     assert mean_said(result)[0] == pytest.approx(np.exp(mean), rel=1e-2)
 
 
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+@pytest.mark.parametrize(
+    ("space", "order"), [(SRGB, raster.CHUNKED), (SRGB, BANDED), (K, raster.CHUNKED)]
+)
+def test_a_page_that_waits_for_its_mean_comes_back_as_it_was(correct, dtype, space, order):
+    pixels = patterns(dtype, 3 if space == SRGB else 1)
+    noise = np.random.default_rng(5).integers(0, 256, pixels.shape, np.uint8).astype(dtype)
+    for page in (pixels, noise):
+        data = raster.write([Page(page, space, order)])
+        two = correct(data, "lcor-contrast=8 lcor-reading=texel")
+        (mean,) = mean_said(two)
+        one = correct(data, f"lcor-contrast=8 lcor-reading=texel lcor-mean={mean}")
+        a, b = (raster.read(run.out)[0].pixels.astype(int) for run in (two, one))
+        assert two.code == one.code == 0, two.log
+        assert np.abs(a - b).max() <= 1 and (a != b).mean() < 1e-3
+
+
 @pytest.mark.parametrize("options", ["", "lcor-reading=texel", "lcor-reading=texel lcor-passes=1"])
 def test_the_bytes_do_not_depend_on_the_number_of_threads(correct, tmp_path, options):
-    data = raster.write([Page(picture(1300, 1000))])  # sixteen bands, and more than 2^20 pixels
+    data = raster.write([Page(picture(1300, 1000))])  # sixteen bands, and more than 2^18 pixels
     light = save_pfm(tmp_path / "map.pfm", ramp(5, 7))
     options += f" lcor-contrast=8 lcor-illuminance={light}"
     one, *more = (correct(data, f"{options} lcor-threads={n}") for n in (1, 2, 3, 8))
