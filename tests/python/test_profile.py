@@ -50,6 +50,19 @@ def test_a_failed_save_leaves_the_old_file(profile, tmp_path):
     assert path.read_text() == "old" and os.listdir(tmp_path) == ["printer.cgats"]
 
 
+def test_save_writes_what_a_link_leads_to(profile, tmp_path):
+    path = tmp_path / "printer.cgats"
+    path.write_text("old")
+    for name, target in (("link", path), ("device", os.devnull)):
+        (tmp_path / name).symlink_to(target)
+        profile.save(tmp_path / name)
+        assert (tmp_path / name).is_symlink()
+    assert path.read_bytes() == profile.format()
+    with pytest.raises(FileNotFoundError) as raised:
+        profile.save(tmp_path / "none" / "p.cgats")
+    assert raised.value.filename == str(tmp_path / "none" / "p.cgats")
+
+
 def test_rejected_readings_take_no_part(profile):
     profile.add(rgb=(0, 0, 0), visual=3.0)
     profile.reject(6)

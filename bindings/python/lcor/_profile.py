@@ -89,10 +89,21 @@ class Profile:
         return self._core.format()
 
     def save(self, path: Path) -> None:
-        """Write a file: it is complete, or the old one stays. OSError, and as :meth:`format`."""
+        """Write a file: it is complete, or the old one stays. OSError, and as :meth:`format`.
+
+        What a link leads to is replaced, not the link; a device or pipe is written to.
+        """
         text = self.format()
-        path = os.fspath(path)
-        handle, temporary = tempfile.mkstemp(dir=os.path.dirname(path) or ".", prefix=".lcor-")
+        path = os.path.realpath(os.fsdecode(path))
+        if os.path.exists(path) and not os.path.isfile(path):
+            with open(path, "wb") as file:
+                file.write(text)
+            return
+        try:
+            handle, temporary = tempfile.mkstemp(dir=os.path.dirname(path), prefix=".lcor-")
+        except OSError as error:
+            error.filename = path  # not a name nobody gave
+            raise
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(text)
