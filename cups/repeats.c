@@ -4,10 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SLACK      8 /* bytes after a row that are read along with its last pixels */
-#define RUN_WORTH  2 /* pixels in a run at which looking for runs costs no more than it saves */
-#define PLAIN_ROWS 30
-#define STRETCH    32 /* pixels at most */
+#define SLACK   8  /* bytes after a row that are read along with its last pixels */
+#define STRETCH 32 /* pixels at most */
+/* Where pixels hardly repeat, looking is slower: after two rows in succession with more runs than
+ * half their pixels, the next ones are corrected plainly. One such row alone may be the first of
+ * two alike: a photograph that was enlarged twice. */
+#define RUN_WORTH  2
+#define POOR_ROWS  2
+#define PLAIN_ROWS 62
 
 bool repeats_open(repeats *r, size_t width)
 {
@@ -107,7 +111,9 @@ void repeats_correct_row(repeats *r, const lcor_plan *plan, size_t y, unsigned c
     }
     if (other_light)
         find_stretches(r, light);
-    if (other_light || memcmp(row, r->before, bytes) != 0) {
+    if (!other_light && memcmp(row, r->before, bytes) == 0) {
+        r->poor_rows = 0;
+    } else {
         find_runs(r, row, light, other_light);
         lcor_correct_row(plan, y, r->runs, r->texels, r->light, NULL, r->texels, stats);
         fill_runs(r);
@@ -117,7 +123,7 @@ void repeats_correct_row(repeats *r, const lcor_plan *plan, size_t y, unsigned c
         r->poor_rows = r->runs * RUN_WORTH > r->width ? r->poor_rows + 1 : 0;
     }
     memcpy(row, r->after, bytes);
-    if (r->poor_rows == 2) {
+    if (r->poor_rows == POOR_ROWS) {
         r->poor_rows = 0;
         r->plain_rows = PLAIN_ROWS;
     }
