@@ -20,6 +20,8 @@ static int brute_force(const lcor_bvh_prim *prims, const lcor_ray *ray, double *
             continue;
         vec_cross(p->edge_u, p->edge_v, n);
         nn = vec_dot(n, n);
+        if (!(nn > 0))
+            continue;
         vec_sub(p->origin, ray->origin, d);
         t = vec_dot(d, n) / vec_dot(ray->direction, n);
         if (!(t > ray->t_min && t < *nearest))
@@ -53,18 +55,16 @@ static void fill(lcor_bvh_prim *prims, double size, double place, uint64_t *stat
     }
 }
 
-static void check_scene(double size, double place, const lcor_parallel *parallel)
+static void check_rays(const lcor_bvh_prim *prims, double size, double place)
 {
-    static lcor_bvh_prim prims[PRIMS];
     lcor_allocator allocator;
     lcor_bvh *bvh = NULL;
-    uint64_t state = 12345;
+    uint64_t state = 54321;
     uint32_t cache = LCOR_BVH_NONE;
     int hits = 0;
 
     assert_int_equal(lcor_internal_allocator(NULL, &allocator, NULL), LCOR_OK);
-    fill(prims, size, place, &state);
-    assert_int_equal(lcor_bvh_new(PRIMS, prims, &allocator, parallel, &bvh, NULL), LCOR_OK);
+    assert_int_equal(lcor_bvh_new(PRIMS, prims, &allocator, NULL, &bvh, NULL), LCOR_OK);
     for (int r = 0; r < RAYS; r++) {
         lcor_ray ray;
         lcor_bvh_hit hit;
@@ -91,24 +91,72 @@ static void check_scene(double size, double place, const lcor_parallel *parallel
     lcor_bvh_free(bvh);
 }
 
+static void check_scene(double size, double place)
+{
+    static lcor_bvh_prim prims[PRIMS];
+    uint64_t state = 12345;
+
+    fill(prims, size, place, &state);
+    check_rays(prims, size, place);
+}
+
 static void hits_agree_with_brute_force(void **state)
 {
     (void)state;
-    check_scene(1, 0, NULL);
+    check_scene(1, 0);
 }
 
 static void tiny_and_huge_scenes_are_no_different(void **state)
 {
     (void)state;
-    check_scene(1e-6, 0, NULL);
-    check_scene(1e6, 0, NULL);
-    check_scene(1e-30, 0, NULL);
+    check_scene(1e-6, 0);
+    check_scene(1e6, 0);
+    check_scene(1e-30, 0);
 }
 
 static void scenes_far_from_the_origin_are_no_different(void **state)
 {
     (void)state;
-    check_scene(1, 1e4, NULL);
+    check_scene(1, 1e4);
+}
+
+/* Nothing can be told apart by where it lies: all coincide, or lie one inside the other. */
+static void primitives_about_one_centre_are_no_different(void **state)
+{
+    static lcor_bvh_prim prims[PRIMS];
+    uint64_t seed = 7;
+
+    (void)state;
+    for (int nested = 0; nested < 2; nested++) {
+        for (uint32_t i = 0; i < PRIMS; i++) {
+            const double reach = nested ? pow(0.99, i) : 1;
+
+            prims[i] = (lcor_bvh_prim){.owner = i / 2, .parallelogram = 1};
+            for (int k = 0; k < 3; k++) {
+                prims[i].edge_u[k] = nested ? reach * (random_unit(&seed) - 0.5) : k == 0;
+                prims[i].edge_v[k] = nested ? reach * (random_unit(&seed) - 0.5) : k != 0;
+                prims[i].origin[k] = 0.5 - 0.5 * (prims[i].edge_u[k] + prims[i].edge_v[k]);
+            }
+        }
+        check_rays(prims, 1, 0);
+    }
+}
+
+/* Needles across the whole scene, some without any area, before a wall. */
+static void needles_are_no_different(void **state)
+{
+    static lcor_bvh_prim prims[PRIMS];
+    uint64_t seed = 8;
+
+    (void)state;
+    fill(prims, 1, 0, &seed);
+    for (uint32_t i = 0; i < PRIMS; i++)
+        for (int k = 0; k < 3; k++) {
+            prims[i].edge_u[k] = (uint32_t)k == i % 3 ? 1 - prims[i].origin[k] : 1e-7;
+            prims[i].edge_v[k] = i % 5 ? 1e-5 * prims[i].edge_v[k] : 0.5 * prims[i].edge_u[k];
+        }
+    prims[0] = (lcor_bvh_prim){{-1, -1, 0.5}, {3, 0, 0}, {0, 3, 0}, 0, 1};
+    check_rays(prims, 1, 0);
 }
 
 /* Every instruction set gives the same bits, hits at edges and of grazing rays included. */
@@ -183,7 +231,6 @@ static void ends_of_the_ray_are_exact(void **state)
     lcor_bvh_free(bvh);
 }
 
-/* Two triangles that share an edge: no ray may slip through. */
 /* A direction is often the negative of a normal, with zeros of either sign. */
 static void zeros_of_either_sign_are_one_direction(void **state)
 {
@@ -205,6 +252,7 @@ static void zeros_of_either_sign_are_one_direction(void **state)
     lcor_bvh_free(bvh);
 }
 
+/* Two triangles that share an edge: no ray may slip through. */
 static void shared_edges_are_closed(void **state)
 {
     const lcor_bvh_prim prims[2] = {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, 0, 0},
@@ -253,6 +301,8 @@ int main(void)
         cmocka_unit_test(hits_agree_with_brute_force),
         cmocka_unit_test(tiny_and_huge_scenes_are_no_different),
         cmocka_unit_test(scenes_far_from_the_origin_are_no_different),
+        cmocka_unit_test(primitives_about_one_centre_are_no_different),
+        cmocka_unit_test(needles_are_no_different),
         cmocka_unit_test(instruction_sets_agree),
         cmocka_unit_test(ends_of_the_ray_are_exact),
         cmocka_unit_test(zeros_of_either_sign_are_one_direction),

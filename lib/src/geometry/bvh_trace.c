@@ -35,6 +35,7 @@ struct bvh_walker {
     double factor, shift; /* walker's t = factor * ray's t - shift */
     float_ray ray;
     float before, from, below, far; /* before < t_min < from, below < t_max < far */
+    float begin;                    /* `before`, but not below 0 */
     uint32_t skip;
     uint32_t pending; /* a sure hit, nearer than t_max, whose exact place is not yet known */
     int found;
@@ -91,6 +92,7 @@ static int start(walker *w, const lcor_bvh *bvh, const lcor_ray *ray)
     slack = fabs(w->t_min) * far_part + far_add;
     w->before = (float)(w->t_min - slack);
     w->from = (float)(w->t_min + slack);
+    w->begin = w->before > 0 ? w->before : 0;
     set_far(w);
     return bvh->node_count > 0 && w->t_min < w->t_max;
 }

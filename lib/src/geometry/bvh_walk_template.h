@@ -81,8 +81,9 @@ INNER void ISA(nearest)(walker *w, const float_ray *r, const bvh_block *block)
     }
 }
 
-/* Bits of the children whose boxes the ray meets before `far`, and how far away they are. */
-INNER unsigned ISA(children)(const float_ray *r, float far, const bvh_node *node,
+/* Bits of the children whose boxes the ray meets between `begin` and `far`, and how far away they
+ * are. A ray leaves a surface through boxes that end there: those its beginning spares it. */
+INNER unsigned ISA(children)(const float_ray *r, float begin, float far, const bvh_node *node,
                              float near[BVH_WIDTH])
 {
     const float *x_in = node->slab + r->in[0], *x_out = node->slab + r->out[0];
@@ -100,7 +101,7 @@ INNER unsigned ISA(children)(const float_ray *r, float far, const bvh_node *node
 
         a = a > z0 ? a : z0;
         b = b < z1 ? b : z1;
-        a = a > 0 ? a : 0;
+        a = a > begin ? a : begin;
         b = b < far ? b : far;
         near[i] = a;
         hit[i] = -(a <= b);
@@ -138,7 +139,7 @@ static TARGET void ISA(closest)(walker *w)
         if (child >= 0) {
             const bvh_node *node = &w->bvh->nodes[child];
             float near[BVH_WIDTH];
-            const unsigned left = ISA(children)(r, w->far, node, near);
+            const unsigned left = ISA(children)(r, w->begin, w->far, node, near);
 
             if (left != 0) {
                 child = ISA(descend)(node, left, near, stack, &top);
@@ -174,7 +175,7 @@ static TARGET uint32_t ISA(occluded)(walker *w, uint32_t first)
         if (child >= 0) {
             const bvh_node *node = &w->bvh->nodes[child];
             float near[BVH_WIDTH];
-            unsigned left = ISA(children)(r, w->far, node, near);
+            unsigned left = ISA(children)(r, w->begin, w->far, node, near);
 
             for (; left != 0; left &= left - 1)
                 stack[top++] = node->child[lowest_bit(left)];
