@@ -93,18 +93,45 @@ void light_at(const light_set *set, const double x[3], const double normal[3], u
     }
 }
 
-void light_by_chance(const light_set *set, const double x[3], const double normal[3], uint32_t skip,
-                     double random, double *out)
+/* One light of those that were offered, each with a chance of its share of their power. */
+typedef struct choice {
+    const lcor_light *light;
+    double value, power, all; /* value, power: of the chosen one; all: power of those offered */
+    double random;            /* of 0..1, whatever was chosen */
+} choice;
+
+static void offer(choice *c, const lcor_light *light, double value, double power)
 {
-    const lcor_light *chosen = NULL;
-    double all = 0, value_of_chosen = 0, share = 1;
+    c->all += power;
+    if (c->random * c->all < power || !(c->all > power)) {
+        c->light = light;
+        c->value = value;
+        c->power = power;
+        c->random *= c->all / power;
+    } else {
+        c->random = (c->random * c->all - power) / (c->all - power);
+    }
+}
+
+static double power_of(const light_set *set, const lcor_light *light, double value)
+{
+    double rgb[3] = {0, 0, 0};
+
+    add_light(set, light, value, rgb);
+    return rgb[0] + rgb[1] + rgb[2];
+}
+
+void light_by_chance(const light_set *set, const double x[3], const double normal[3], uint32_t skip,
+                     int strongest, double random, double *out)
+{
+    choice chosen = {NULL, 0, 0, 0, random}, most = {NULL, 0, 0, 0, 0};
 
     for (int c = 0; c < set->channels; c++)
         out[c] = 0;
     for (size_t i = 0; i < set->scene->lights.count; i++) {
         const lcor_light *light = scene_light_at(set->scene, i);
         const double value = lcor_direct_unshadowed(light, x, normal);
-        double rgb[3] = {0, 0, 0}, power;
+        choice now = {light, value, 0, 0, 0};
 
         if (!(value > 0))
             continue;
@@ -112,22 +139,18 @@ void light_by_chance(const light_set *set, const double x[3], const double norma
             add_light(set, light, value, out);
             continue;
         }
-        add_light(set, light, value, rgb);
-        power = rgb[0] + rgb[1] + rgb[2];
-        if (!(power > 0))
-            continue;
-        all += power;
-        /* Of those so far each is chosen with a chance of its share; either way `random` is again
-         * a number of 0..1. */
-        if (random * all < power || !(all > power)) {
-            chosen = light;
-            value_of_chosen = value;
-            share = power;
-            random *= all / power;
-        } else {
-            random = (random * all - power) / (all - power);
+        now.power = power_of(set, light, value);
+        if (strongest && now.power > most.power) {
+            const choice weaker = most;
+
+            most = now;
+            now = weaker;
         }
+        if (now.power > 0)
+            offer(&chosen, now.light, now.value, now.power);
     }
-    if (chosen && !lcor_direct_shadowed(set->scene, chosen, x, skip, NULL))
-        add_light(set, chosen, value_of_chosen * all / share, out);
+    if (most.light && !lcor_direct_shadowed(set->scene, most.light, x, skip, NULL))
+        add_light(set, most.light, most.value, out);
+    if (chosen.light && !lcor_direct_shadowed(set->scene, chosen.light, x, skip, NULL))
+        add_light(set, chosen.light, chosen.value * chosen.all / chosen.power, out);
 }

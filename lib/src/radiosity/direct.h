@@ -38,9 +38,10 @@ void light_at(const light_set *set, const double x[3], const double normal[3], u
               double *out);
 
 /* The same on average over `random` of 0..1, by one shadow ray at most: of the lights that
- * something might hide, one stands for all, each with a chance of its share. */
+ * something might hide, one stands for all, each with a chance of its share. With `strongest` the
+ * one that would give most has a ray of its own. */
 void light_by_chance(const light_set *set, const double x[3], const double normal[3], uint32_t skip,
-                     double random, double *out);
+                     int strongest, double random, double *out);
 
 /* Direct irradiance at x, all lights, with shadows: report.channels values. Starts no parallel
  * work, so tasks may call it. */

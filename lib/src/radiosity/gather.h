@@ -62,15 +62,16 @@ typedef struct gather_leaf {
     int terms;         /* 1, 3 or 6; 0: the leaf was split */
     size_t slot;       /* number among those that were not */
     uint64_t rays;
-    size_t first_record, record_count;
+    size_t first_record, record_count, record_room;
+    size_t tries; /* places from which rays for records were to start */
     double inverse[GATHER_TERMS * GATHER_TERMS]; /* of the normal equations */
 } gather_leaf;
 
 /* One ray of a leaf: irradiance = source + through * field where it ended. */
 typedef struct gather_record {
-    float from[2]; /* where it left, -1..1 */
-    float at[2];   /* and ended, in the plane */
-    uint32_t leaf; /* or gather_none */
+    float from[2]; /* where it left its leaf, -1..1, */
+    float at[2];   /* and where it ended on another, of this slot */
+    uint32_t slot; /* or gather_none */
 } gather_record;
 
 /* What a request needs; each round that misses it asks for more. */
@@ -103,12 +104,13 @@ typedef struct gather {
     lcor_array prims; /* gather_prim, and a last one with the area of all */
 
     lcor_array nodes, leaves, pieces;
-    size_t probed;           /* leaves whose ray length is known */
-    uint64_t probes;         /* rays that looked around */
-    lcor_array records;      /* gather_record */
-    float *source, *through; /* per record and channel */
-    double *field;           /* GATHER_TERMS a leaf and channel */
-    size_t slots;            /* leaves that were not split */
+    size_t probed;                 /* leaves whose ray length is known */
+    uint64_t probes;               /* rays that looked around */
+    lcor_array records;            /* gather_record */
+    float *source, *through;       /* per record and channel */
+    double *field;                 /* GATHER_TERMS a leaf and channel */
+    double *groups[GATHER_GROUPS]; /* what groups of rays add to it; one block */
+    size_t slots;                  /* leaves that were not split */
 
     guide guide;
     gather_effort effort;
@@ -180,6 +182,8 @@ size_t gather_place(const gather *g, double a, double b, gather_stand *stand);
 /* gather_tree.c */
 int gather_grow(gather *g); /* fields for the sides that matter, leaves by ray length */
 uint32_t gather_leaf_of(const gather *g, uint32_t side, const double at[2]);
+/* The leaf of a place on a surface, or gather_none; `at` gets the plane's coordinates. */
+uint32_t gather_leaf_at_stand(const gather *g, const gather_stand *stand, double at[2]);
 /* Place a, b of 0..1 on the leaf, uniform by area, in the plane's coordinates and as a stand. */
 void gather_leaf_stand(const gather *g, const gather_leaf *leaf, double a, double b, double at[2],
                        gather_stand *stand);
@@ -217,8 +221,11 @@ void gather_sample_at(const gather *g, const gather_stand *stand, const guide_vi
                       double near, uint32_t index, uint32_t seed, gather_sample *out);
 
 /* gather_field.c */
-int gather_solve_field(gather *g);
-double gather_field_at(const gather *g, uint32_t leaf, const double at[2], int channel);
+void gather_forget_records(gather *g); /* what they tell is no longer so */
+int gather_solve_field(gather *g);     /* keeps the records there are and adds what is missing */
+/* `field`: coefficients like gather.field. */
+double gather_field_at(const gather *g, const double *field, uint32_t leaf, const double at[2],
+                       int channel);
 /* The sample's irradiance with coefficients like gather.field. */
 double gather_sample_value(const gather *g, const gather_sample *sample, const double *field,
                            int channel);
@@ -256,9 +263,9 @@ typedef struct gather_errors {
     double noise, field; /* parts of rms: of the answer's rays, and of the field they read; */
     double bias;         /* what the latter have in common */
 } gather_errors;
+/* Sets `mean`, near enough to tell what is dark, and `groups`; the field's part alone. */
+int gather_judge_field(gather *g, gather_errors *out);
 int gather_estimate(gather *g, size_t n, gather_errors *out);
-/* Mean irradiance over the fronts of all surfaces, near enough to tell what is dark. */
-int gather_set_mean(gather *g);
 /* The noise of averages over n patches. */
 int gather_patch_noise(gather *g, size_t n, double *noise);
 /* Squares of a sample of `count` spread: what to multiply a root of their mean by. */

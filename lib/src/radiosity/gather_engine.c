@@ -9,23 +9,27 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ROUNDS_MAX = 8, SLICE = 128, SAMPLE = 64, PATCHES = 32 };
+enum { ROUNDS_MAX = 8, PASSES_MAX = 5, SLICE = 128, SAMPLE = 64, PATCHES = 48 };
 
 /* Leaves wanted, and rays of one on average, at a tolerance of 1 %. */
-static const double leaves_wanted = 100, rays_wanted = 400;
+static const double leaves_wanted = 400, rays_wanted = 100, rays_most = 4096;
 /* Rays a second, before any have been traced. */
 static const double rate_guess = 3e5;
 /* Samples that an answer may take, and those it may always take. */
 static const double samples_most = 1 << 18, samples_least = 128;
-/* An answer's part of the tolerance at first, and what is aimed at in the end. */
-static const double stop_share = 0.85, aim = 0.85;
+/* An answer's part of the tolerance at first, where effort is shared and where not, and what is
+ * aimed at in the end. */
+static const double stop_shared = 1.7, stop_alone = 0.85, aim = 0.75;
+/* What `stop` alone can improve noise by, without looking again. */
+static const double reach = 0.5;
 /* Answers are not pursued further than this, and when a limit is met, than that. */
 static const double stop_least = 5e-4, stop_hurried = 0.01;
 /* Noise goes with this power of `stop` where effort is shared: n samples err by n^-3/4 or so, and
  * as many are taken as err by stop sqrt(n). */
-static const double shared_power = 0.6;
-/* Part of the tolerance that all answers may err alike, by the field they share. */
-static const double bias_share = 0.1;
+static const double shared_power = 0.55;
+/* What all answers may err alike by the field they share: this part of the tolerance, and not more
+ * than so much; and what of that is aimed at, since it is estimated. */
+static const double bias_share = 0.2, bias_most = 0.002, bias_aim = 0.8;
 /* Rays of one sample, about: to a target, on to the next surface, and from there. */
 static const double rays_per_sample = 4;
 
@@ -161,6 +165,7 @@ static void release(lcor_solution *s)
     lcor_internal_free(g->allocator, g->source);
     lcor_internal_free(g->allocator, g->through);
     lcor_internal_free(g->allocator, g->field);
+    lcor_internal_free(g->allocator, g->groups[0]);
     lcor_internal_free(g->allocator, g);
     s->state = NULL;
 }
@@ -172,7 +177,12 @@ static void set_effort(gather *g, double tolerance)
     g->effort.rays = fmin(fmax(rays_wanted * 0.01 / tolerance, 16), 2048);
     g->effort.near = 0.5;
     g->effort.leaves = (size_t)(leaves_wanted * 0.01 / tolerance);
-    g->effort.stop = fmax(stop_share * tolerance, stop_least);
+    g->effort.stop = fmax((g->effort.share ? stop_shared : stop_alone) * tolerance, stop_least);
+}
+
+static double bias_allowed(const lcor_solution *s)
+{
+    return fmin(bias_share * s->options.tolerance, bias_most);
 }
 
 static double wanted_error(const lcor_solution *s, const gather_errors *e)
@@ -182,8 +192,7 @@ static double wanted_error(const lcor_solution *s, const gather_errors *e)
 
 static int is_met(const lcor_solution *s, const gather_errors *e)
 {
-    return wanted_error(s, e) <= s->options.tolerance &&
-           e->bias <= bias_share * s->options.tolerance;
+    return wanted_error(s, e) <= s->options.tolerance && e->bias <= bias_allowed(s);
 }
 
 static void describe(lcor_solution *s)
@@ -226,12 +235,14 @@ static void steer(const gather *g, double wanted, double *stop, double *noise)
     *noise *= pow(*stop / before, power);
 }
 
+static int is_coarse(const gather_errors *e, double rms) { return e->field > 0.6 * rms; }
+
 /* More of what the error came from. Returns whether the field must be made anew. */
 static int strive(gather *g, const gather_errors *e)
 {
     const double rms = rms_wanted(g->solution, e);
-    const double bias = e->bias / (bias_share * g->solution->options.tolerance);
-    const int coarse = e->field > 0.6 * rms;
+    const double bias = e->bias / bias_allowed(g->solution);
+    const int coarse = is_coarse(e, rms);
     double field = e->field, noise = e->noise;
 
     if (coarse) {
@@ -247,15 +258,24 @@ static int strive(gather *g, const gather_errors *e)
     return coarse || bias > 1;
 }
 
-/* Answers that are more accurate than asked for cost too much; and averages over patches, whose
- * rays differ by place too, take more than answers at points. */
+/* Whether the request can be met by the field there is and a `stop` not far from the last. */
+static int is_near(const gather *g, const gather_errors *e)
+{
+    const double rms = rms_wanted(g->solution, e);
+
+    return !g->hurry && g->effort.samples >= samples_most && !is_coarse(e, rms) &&
+           e->bias <= bias_allowed(g->solution) && reach * e->noise <= noise_wanted(e->field, rms);
+}
+
+/* Answers are made as accurate as asked for, and no more; averages over patches, whose rays differ
+ * by place too, take more than answers at points. */
 static int settle(gather *g, gather_errors *e)
 {
     const double wanted = noise_wanted(e->field, rms_wanted(g->solution, e));
     double noise;
 
-    if (e->noise < wanted) /* half way: it may be small by the sample's luck */
-        steer(g, sqrt(wanted * e->noise), &g->effort.stop, &e->noise);
+    /* half way to more: it may be small by the sample's luck */
+    steer(g, e->noise < wanted ? sqrt(wanted * e->noise) : wanted, &g->effort.stop, &e->noise);
     g->effort.patch_stop = g->effort.stop;
     if (!gather_patch_noise(g, PATCHES, &noise))
         return 0;
@@ -267,11 +287,30 @@ static int settle(gather *g, gather_errors *e)
     return 1;
 }
 
+/* A field that is not wrong all over: as many more rays as that takes. What it errs here and there,
+ * answers must tell. */
+static int make_field(gather *g)
+{
+    const double wanted = bias_aim * bias_allowed(g->solution);
+    gather_errors e;
+
+    if (!gather_grow(g))
+        return 0;
+    gather_forget_records(g);
+    for (int pass = 0;; pass++) {
+        if (!gather_solve_field(g) || !gather_judge_field(g, &e))
+            return 0;
+        if (e.bias <= wanted || pass == PASSES_MAX || g->hurry || g->effort.rays >= rays_most)
+            return 1;
+        g->effort.rays *= fmin(fmax(pow(e.bias / wanted, 1.5), 1.5), 3);
+    }
+}
+
 /* One round: a field, unless there is one, and how far its answers are from the truth. Returns 0
  * without memory or when cancelled. */
 static int attempt(gather *g, int new_field, gather_errors *errors)
 {
-    if (new_field && (!gather_grow(g) || !gather_solve_field(g) || !gather_set_mean(g)))
+    if (new_field && !make_field(g))
         return 0;
     /* Half of the time left for the places of the estimate, each answered twice. */
     g->effort.samples =
@@ -320,7 +359,7 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
             g->effort = effort;
         }
         s->report.converged = is_met(s, &errors);
-        if (s->report.converged && s->options.norm == LCOR_NORM_RMS) {
+        if (s->options.norm == LCOR_NORM_RMS && (s->report.converged || is_near(g, &errors))) {
             if (!settle(g, &errors))
                 goto stopped;
             s->report.converged = is_met(s, &errors);

@@ -10,31 +10,9 @@
 #include <math.h>
 #include <string.h>
 
-enum { ITERATIONS_MAX = 4, MEAN_PLACES = 256, MEAN_SAMPLES = 16 };
+enum { ITERATIONS_MAX = 4, SURVEY_PLACES = 256, SURVEY_SAMPLES = 16 };
 
 static const double dark_share = 0.02;
-
-/* What each group of rays alone would add to the field: e = r + K e, where r is what the group's
- * rays of a leaf say more than the field does. Rays of one leaf are independent of another's, and
- * groups nearly so, hence the spread of the e is that of the field [Quenouille 1956]. */
-static int find_group_errors(gather *g, double *const group[GATHER_GROUPS])
-{
-    const size_t n = g->slots * (size_t)g->channels * GATHER_TERMS;
-    double *error = lcor_internal_alloc(g->allocator, (n + 1) * sizeof *error);
-    int ok = error != NULL;
-
-    if (ok)
-        gather_residuals(g, group);
-    for (int k = 0; ok && k < GATHER_GROUPS; k++) {
-        krylov solver = {
-            .n = n, .map = gather_apply, .arg = g, .tolerance = 0.1, .iterations = ITERATIONS_MAX};
-
-        ok = krylov_solve(&solver, g->allocator, group[k], error);
-        memcpy(group[k], error, n * sizeof *error);
-    }
-    lcor_internal_free(g->allocator, error);
-    return ok;
-}
 
 typedef struct verdict {
     int lit;
@@ -68,38 +46,6 @@ static void ask_point(const gather *g, uint32_t i, uint32_t seed, gather_query *
     (void)gather_place(g, random[0], random[1], &stand);
     gather_query_point(g, stand.x, stand.normal, stand.surface, q);
     light_at(&g->solution->lights, stand.x, stand.normal, stand.surface, direct);
-}
-
-typedef struct mean_job {
-    const gather *g;
-    double values[MEAN_PLACES];
-} mean_job;
-
-static void mean_task(void *arg, size_t i)
-{
-    mean_job *job = arg;
-    double total[GATHER_CHANNELS];
-    gather_query q;
-
-    ask_point(job->g, (uint32_t)i, 7, &q, total);
-    q.stop = 1;
-    q.samples = MEAN_SAMPLES;
-    q.seed = (uint32_t)i;
-    (void)gather_answer(job->g, &q, total, NULL);
-    job->values[i] = mean_of(job->g, total);
-}
-
-int gather_set_mean(gather *g)
-{
-    mean_job job = {g, {0}};
-    double sum = 0;
-
-    if (!gather_each(g, MEAN_PLACES, mean_task, &job))
-        return 0;
-    for (int i = 0; i < MEAN_PLACES; i++)
-        sum += job.values[i] / MEAN_PLACES;
-    g->mean = sum;
-    return 1;
 }
 
 /* A patch of a surface drawn by area, and about what is direct there. */
@@ -197,6 +143,123 @@ static void summarise(const verdict *verdicts, size_t n, gather_errors *out)
     gather_sum_errors(out, (size_t)count);
 }
 
+/* ---- the field ---- */
+
+/* A place, what is there by the field, and what groups of rays add to that. */
+typedef struct survey_place {
+    uint32_t leaf;
+    double at[2], value;
+    verdict verdict;
+} survey_place;
+
+typedef struct survey {
+    const gather *g;
+    survey_place places[SURVEY_PLACES];
+} survey;
+
+static double mean_of_field(const gather *g, const survey_place *p, const double *field)
+{
+    double values[GATHER_CHANNELS];
+
+    for (int c = 0; c < g->channels; c++)
+        values[c] = gather_field_at(g, field, p->leaf, p->at, c);
+    return mean_of(g, values);
+}
+
+static void survey_task(void *arg, size_t i)
+{
+    survey *job = arg;
+    const gather *g = job->g;
+    survey_place *p = &job->places[i];
+    double total[GATHER_CHANNELS];
+    gather_query q;
+
+    memset(p, 0, sizeof *p);
+    ask_point(g, (uint32_t)i, 7, &q, total);
+    p->leaf = gather_leaf_at_stand(g, &q.stand, p->at);
+    if (p->leaf == gather_none) {
+        q.stop = 1;
+        q.samples = SURVEY_SAMPLES;
+        q.seed = (uint32_t)i;
+        (void)gather_answer(g, &q, total, NULL);
+    } else {
+        emitters_at(&g->emitters, q.stand.x, q.stand.normal, q.stand.surface, total);
+    }
+    p->value = mean_of(g, total);
+    if (p->leaf != gather_none)
+        p->value += fmax(mean_of_field(g, p, g->field), 0);
+}
+
+/* What each group of rays alone would add to the field: e = r + K e, where r is what the group's
+ * rays of a leaf say more than the field does. Rays of one leaf are independent of another's, and
+ * groups nearly so, hence the spread of the e is that of the field [Quenouille 1956]. Answers do
+ * not read it where they are: they err by K e. */
+static int find_group_errors(gather *g, survey *job)
+{
+    const size_t n = g->slots * (size_t)g->channels * GATHER_TERMS;
+    double *error = lcor_internal_alloc(g->allocator, (n + 1) * sizeof *error);
+    int ok = error != NULL;
+
+    if (ok)
+        gather_residuals(g, g->groups);
+    for (int k = 0; ok && k < GATHER_GROUPS; k++) {
+        krylov solver = {
+            .n = n, .map = gather_apply, .arg = g, .tolerance = 0.1, .iterations = ITERATIONS_MAX};
+
+        ok = krylov_solve(&solver, g->allocator, g->groups[k], error);
+        for (int i = 0; ok && i < SURVEY_PLACES; i++) {
+            survey_place *p = &job->places[i];
+
+            if (p->leaf != gather_none)
+                p->verdict.group[k] =
+                    (mean_of_field(g, p, error) - mean_of_field(g, p, g->groups[k])) /
+                    fmax(p->value, dark_share * g->mean);
+        }
+        memcpy(g->groups[k], error, n * sizeof *error);
+    }
+    lcor_internal_free(g->allocator, error);
+    return ok;
+}
+
+static int reserve_groups(gather *g)
+{
+    const size_t values = g->slots * (size_t)g->channels * GATHER_TERMS + 1;
+
+    lcor_internal_free(g->allocator, g->groups[0]);
+    g->groups[0] = lcor_internal_alloc(g->allocator, GATHER_GROUPS * values * sizeof *g->groups[0]);
+    for (size_t k = 1; g->groups[0] && k < GATHER_GROUPS; k++)
+        g->groups[k] = g->groups[0] + k * values;
+    return g->groups[0] != NULL;
+}
+
+int gather_judge_field(gather *g, gather_errors *out)
+{
+    survey *job = lcor_internal_alloc(g->allocator, sizeof *job);
+    int ok = job && reserve_groups(g);
+
+    if (ok) {
+        job->g = g;
+        ok = gather_each(g, SURVEY_PLACES, survey_task, job);
+    }
+    g->mean = 0;
+    for (int i = 0; ok && i < SURVEY_PLACES; i++)
+        g->mean += job->places[i].value / SURVEY_PLACES;
+    ok = ok && find_group_errors(g, job);
+    if (ok) {
+        verdict verdicts[SURVEY_PLACES];
+
+        for (int i = 0; i < SURVEY_PLACES; i++) {
+            verdicts[i] = job->places[i].verdict;
+            verdicts[i].lit = job->places[i].leaf != gather_none && job->places[i].value > 0;
+        }
+        summarise(verdicts, SURVEY_PLACES, out);
+    }
+    lcor_internal_free(g->allocator, job);
+    return ok;
+}
+
+/* ---- answers ---- */
+
 /* Answers and judges n places or patches. */
 static int verify(gather *g, double *const *groups, size_t n, gather_errors *out)
 {
@@ -214,16 +277,7 @@ static int verify(gather *g, double *const *groups, size_t n, gather_errors *out
 
 int gather_estimate(gather *g, size_t n, gather_errors *out)
 {
-    const size_t values = g->slots * (size_t)g->channels * GATHER_TERMS + 1;
-    double *groups[GATHER_GROUPS];
-    double *room = lcor_internal_alloc(g->allocator, GATHER_GROUPS * values * sizeof *room);
-    int ok = room != NULL;
-
-    for (size_t k = 0; ok && k < GATHER_GROUPS; k++)
-        groups[k] = room + k * values;
-    ok = ok && find_group_errors(g, groups) && verify(g, groups, n, out);
-    lcor_internal_free(g->allocator, room);
-    return ok;
+    return verify(g, g->groups, n, out);
 }
 
 int gather_patch_noise(gather *g, size_t n, double *noise)

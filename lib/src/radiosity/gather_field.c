@@ -42,21 +42,28 @@ static size_t coefficients_of(const gather *g, const gather_leaf *l, int channel
     return (l->slot * (size_t)g->channels + (size_t)channel) * GATHER_TERMS;
 }
 
-static double evaluate(const gather *g, const gather_leaf *l, const double *field,
-                       const double at[2], int channel)
+/* The polynomial of GATHER_TERMS coefficients at coordinates of -1..1. */
+static double polynomial(const double *a, double x, double y)
 {
-    const double *a = field + coefficients_of(g, l, channel);
     double f[GATHER_TERMS], sum = 0;
 
-    basis((at[0] - l->centre[0]) / l->half[0], (at[1] - l->centre[1]) / l->half[1], f);
-    for (int k = 0; k < l->terms; k++)
+    basis(x, y, f);
+    for (int k = 0; k < GATHER_TERMS; k++)
         sum += a[k] * f[k];
     return sum;
 }
 
-double gather_field_at(const gather *g, uint32_t leaf, const double at[2], int channel)
+static double evaluate(const gather *g, const gather_leaf *l, const double *field,
+                       const double at[2], int channel)
 {
-    return evaluate(g, gather_leaf_at(g, leaf), g->field, at, channel);
+    return polynomial(field + coefficients_of(g, l, channel), (at[0] - l->centre[0]) / l->half[0],
+                      (at[1] - l->centre[1]) / l->half[1]);
+}
+
+double gather_field_at(const gather *g, const double *field, uint32_t leaf, const double at[2],
+                       int channel)
+{
+    return evaluate(g, gather_leaf_at(g, leaf), field, at, channel);
 }
 
 double gather_sample_value(const gather *g, const gather_sample *sample, const double *field,
@@ -95,49 +102,115 @@ static double rays_allowed(const gather *g, size_t leaves)
     return fmax(rays, rays_fewest);
 }
 
-/* Numbers the leaves and gives each its records. */
-static int plan_records(gather *g)
-{
-    double area = 0, rays;
-    size_t count = 0, leaves = 0;
+/* Records and what belongs to them. */
+typedef struct record_store {
+    lcor_array records;
+    float *source, *through;
+} record_store;
 
+static record_store take_store(gather *g)
+{
+    const record_store store = {g->records, g->source, g->through};
+
+    memset(&g->records, 0, sizeof g->records);
+    g->source = g->through = NULL;
+    return store;
+}
+
+static void clear_store(const gather *g, record_store *store)
+{
+    lcor_array_clear(g->allocator, &store->records);
+    lcor_internal_free(g->allocator, store->source);
+    lcor_internal_free(g->allocator, store->through);
+}
+
+static int reserve_store(gather *g, size_t count)
+{
+    const size_t values = (count + 1) * (size_t)g->channels;
+
+    g->source = lcor_internal_alloc(g->allocator, values * sizeof *g->source);
+    g->through = lcor_internal_alloc(g->allocator, values * sizeof *g->through);
+    return g->source && g->through &&
+           lcor_array_reserve(g->allocator, &g->records, count, sizeof(gather_record));
+}
+
+/* A leaf's records from where they were in the store. */
+static void move_records(gather *g, const record_store *from, size_t first, const gather_leaf *l)
+{
+    const size_t channels = (size_t)g->channels, count = l->record_count;
+
+    if (count == 0)
+        return;
+    memcpy(record_at(g, l->first_record), (gather_record *)from->records.items + first,
+           count * sizeof(gather_record));
+    memcpy(g->source + l->first_record * channels, from->source + first * channels,
+           count * channels * sizeof *g->source);
+    memcpy(g->through + l->first_record * channels, from->through + first * channels,
+           count * channels * sizeof *g->through);
+}
+
+void gather_forget_records(gather *g)
+{
+    for (size_t i = 0; i < g->leaves.count; i++) {
+        gather_leaf_at(g, i)->record_count = 0;
+        gather_leaf_at(g, i)->tries = 0;
+    }
+}
+
+/* Numbers the leaves. Returns the sum of the roots of their areas. */
+static double number_leaves(gather *g)
+{
+    double sum = 0;
+
+    g->slots = 0;
     for (size_t i = 0; i < g->leaves.count; i++) {
         gather_leaf *l = gather_leaf_at(g, i);
 
         if (l->terms == 0)
             continue;
-        l->slot = leaves++;
-        area += sqrt(l->area);
+        l->slot = g->slots++;
+        sum += sqrt(l->area);
     }
-    lcor_array_clear(g->allocator, &g->records);
-    rays = rays_allowed(g, leaves + 1);
+    return sum;
+}
+
+/* Gives each leaf room for its records. */
+static int plan_records(gather *g)
+{
+    const double area = number_leaves(g), leaves = (double)g->slots;
+    const double rays = rays_allowed(g, g->slots + 1);
+    record_store old = take_store(g);
+    size_t count = 0;
+    int ok;
+
     for (size_t i = 0; i < g->leaves.count; i++) {
         gather_leaf *l = gather_leaf_at(g, i);
-        const double share =
-            area > 0 && g->effort.share ? sqrt(l->area) * (double)leaves / area : 1;
+        const double share = area > 0 && g->effort.share ? sqrt(l->area) * leaves / area : 1;
+        const size_t wanted = (size_t)(rays * fmin(fmax(share, rays_least), rays_most));
+
+        if (l->terms == 0)
+            continue;
+        l->record_room = wanted > l->record_count ? wanted : l->record_count;
+        count += l->record_room;
+    }
+    ok = reserve_store(g, count);
+    count = 0;
+    for (size_t i = 0; ok && i < g->leaves.count; i++) {
+        gather_leaf *l = gather_leaf_at(g, i);
+        const size_t before = l->first_record;
 
         if (l->terms == 0)
             continue;
         l->first_record = count;
-        l->record_count = (size_t)(rays * fmin(fmax(share, rays_least), rays_most));
-        l->terms = degree_terms(l);
-        count += l->record_count;
+        count += l->record_room;
+        move_records(g, &old, before, l);
     }
-    g->slots = leaves;
-    lcor_internal_free(g->allocator, g->source);
-    lcor_internal_free(g->allocator, g->through);
-    lcor_internal_free(g->allocator, g->field);
-    g->source =
-        lcor_internal_alloc(g->allocator, (count + 1) * (size_t)g->channels * sizeof *g->source);
-    g->through =
-        lcor_internal_alloc(g->allocator, (count + 1) * (size_t)g->channels * sizeof *g->through);
-    g->field = lcor_internal_alloc(g->allocator, (leaves + 1) * (size_t)g->channels * GATHER_TERMS *
-                                                     sizeof *g->field);
-    if (!g->source || !g->through || !g->field ||
-        !lcor_array_reserve(g->allocator, &g->records, count, sizeof(gather_record)))
-        return 0;
     g->records.count = count;
-    return 1;
+    clear_store(g, &old);
+    lcor_internal_free(g->allocator, g->field);
+    g->field = lcor_internal_alloc(g->allocator, (g->slots + 1) * (size_t)g->channels *
+                                                     GATHER_TERMS * sizeof *g->field);
+    return ok && g->field;
 }
 
 /* The symmetric positive definite n x n matrix, inverted in place by Gauss and Jordan. */
@@ -229,40 +302,48 @@ static int leaf_sample(const gather *g, size_t leaf, const guide_view *view, uin
     return 1;
 }
 
+/* Coordinates in the plane to the leaf's. */
+static void normalise(const gather_leaf *l, const double at[2], float out[2])
+{
+    for (int k = 0; k < 2; k++)
+        out[k] = (float)((at[k] - l->centre[k]) / l->half[k]);
+}
+
 static void record_task(void *arg, size_t i)
 {
     gather *g = arg;
     gather_leaf *l = gather_leaf_at(g, i);
     const guide_view *guided;
     guide_view view;
-    size_t used = 0;
 
     l->rays = 0;
     if (l->terms == 0)
         return;
     guided = leaf_view(g, l, &view);
-    for (size_t k = 0; used < l->record_count && k < GATHER_TRIES * l->record_count; k++) {
-        gather_record *r = record_at(g, l->first_record + used);
-        const size_t value = (l->first_record + used) * (size_t)g->channels;
+    for (; l->record_count < l->record_room && l->tries < GATHER_TRIES * l->record_room;
+         l->tries++) {
+        const size_t record = l->first_record + l->record_count;
+        const size_t value = record * (size_t)g->channels;
+        gather_record *r = record_at(g, record);
         double at[2];
         gather_sample sample;
 
         l->rays++;
-        if (!leaf_sample(g, i, guided, (uint32_t)k, at, &sample))
+        if (!leaf_sample(g, i, guided, (uint32_t)l->tries, at, &sample))
             continue;
-        used++;
-        for (int c = 0; c < 2; c++) {
-            r->from[c] = (float)((at[c] - l->centre[c]) / l->half[c]);
-            r->at[c] = (float)sample.at[c];
+        l->record_count++;
+        r->slot = gather_none;
+        normalise(l, at, r->from);
+        if (sample.leaf != gather_none) {
+            r->slot = (uint32_t)gather_leaf_at(g, sample.leaf)->slot;
+            normalise(gather_leaf_at(g, sample.leaf), sample.at, r->at);
         }
-        r->leaf = sample.leaf;
         for (int c = 0; c < g->channels; c++) {
             g->source[value + (size_t)c] = (float)sample.source[c];
             g->through[value + (size_t)c] = (float)sample.through[c];
         }
         l->rays += sample.rays;
     }
-    l->record_count = used;
     l->terms = degree_terms(l);
     set_inverse(g, l);
 }
@@ -279,12 +360,13 @@ typedef struct application {
 static double passed_on(const gather *g, size_t record, const double *field, int channel)
 {
     const gather_record *r = record_at(g, record);
-    const double at[2] = {(double)r->at[0], (double)r->at[1]};
+    const size_t channels = (size_t)g->channels, c = (size_t)channel;
 
-    if (r->leaf == gather_none)
+    if (r->slot == gather_none)
         return 0;
-    return (double)g->through[record * (size_t)g->channels + (size_t)channel] *
-           evaluate(g, gather_leaf_at(g, r->leaf), field, at, channel);
+    return (double)g->through[record * channels + c] *
+           polynomial(field + (r->slot * channels + c) * GATHER_TERMS, (double)r->at[0],
+                      (double)r->at[1]);
 }
 
 static double source_of(const gather *g, size_t record, int channel)

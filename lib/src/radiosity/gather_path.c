@@ -68,11 +68,13 @@ static double largest(const gather *g, const double *v)
     return most;
 }
 
-/* gather_straight on average, with one shadow ray for all lights. */
+/* gather_straight on average, with one shadow ray for all lights, or one for the strongest and one
+ * for all others. */
 static void straight_by_chance(path *p, const double x[3], const double normal[3], uint32_t surface,
-                               double *out)
+                               int strongest, double *out)
 {
-    light_by_chance(&p->g->solution->lights, x, normal, surface, random_next(&p->choice), out);
+    light_by_chance(&p->g->solution->lights, x, normal, surface, strongest, random_next(&p->choice),
+                    out);
     emitters_at(&p->g->emitters, x, normal, surface, out);
 }
 
@@ -96,7 +98,7 @@ static void add_guided(path *p, const gather_stand *stand, const guide_view *vie
     p->out->rays++;
     if (lcor_scene_blocked(g->scene, stand->x, target.x, stand->surface, NULL))
         return;
-    straight_by_chance(p, target.x, target.normal, target.surface, direct);
+    straight_by_chance(p, target.x, target.normal, target.surface, 0, direct);
     by_cosine = height * cosine / (pi * square * square); /* densities per area */
     by_guide = target.density;
     weight = by_cosine / (by_cosine + by_guide);
@@ -134,10 +136,9 @@ static void add_spot(path *p, const gather_spot *spot, double weight, int depth)
         memset(p->out->through, 0, sizeof p->out->through);
         return;
     }
-    if (largest(g, rho) > 0 && depth == 0)
-        gather_straight(g, spot->stand.x, spot->stand.normal, spot->stand.surface, direct);
-    else if (largest(g, rho) > 0) /* carries less, and so does its noise */
-        straight_by_chance(p, spot->stand.x, spot->stand.normal, spot->stand.surface, direct);
+    if (largest(g, rho) > 0) /* further on paths carry less, and so does their noise */
+        straight_by_chance(p, spot->stand.x, spot->stand.normal, spot->stand.surface, depth == 0,
+                           direct);
     for (int c = 0; c < g->channels; c++) {
         p->out->source[c] += p->out->through[c] * weight * (emission[c] + rho[c] * direct[c]);
         p->out->through[c] *= rho[c];

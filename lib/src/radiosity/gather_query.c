@@ -53,20 +53,16 @@ void gather_query_point(const gather *g, const double x[3], const double normal[
 static double expected_at(const gather *g, const gather_stand *stand, const double *direct)
 {
     double at[2], sum = 0;
-    uint32_t side, leaf;
+    uint32_t leaf;
 
     for (int c = 0; c < g->channels; c++)
         sum += direct[c] / g->channels;
     if (stand->surface == LCOR_BVH_NONE)
         return fmax(sum, g->mean);
-    side = gather_side_of(
-        g, stand->surface,
-        vec_dot(scene_surface_at(g->scene, stand->surface)->normal, stand->normal) < 0);
-    gather_to_plane(gather_plane_at(g, side / 2), stand->x, at);
-    leaf = gather_leaf_of(g, side, at);
+    leaf = gather_leaf_at_stand(g, stand, at);
     for (int c = 0; c < g->channels; c++)
         sum += leaf == gather_none ? g->mean / g->channels
-                                   : gather_field_at(g, leaf, at, c) / g->channels;
+                                   : gather_field_at(g, g->field, leaf, at, c) / g->channels;
     return fmax(sum, dark_share * g->mean);
 }
 

@@ -206,6 +206,15 @@ uint32_t gather_leaf_of(const gather *g, uint32_t side, const double at[2])
     return (uint32_t)node_at(g, (size_t)i)->leaf;
 }
 
+uint32_t gather_leaf_at_stand(const gather *g, const gather_stand *stand, double at[2])
+{
+    const double *front = scene_surface_at(g->scene, stand->surface)->normal;
+    const uint32_t side = gather_side_of(g, stand->surface, vec_dot(front, stand->normal) < 0);
+
+    gather_to_plane(gather_plane_at(g, side / 2), stand->x, at);
+    return gather_leaf_of(g, side, at);
+}
+
 static void leaf_place(const gather *g, const gather_leaf *leaf, double a, double b, double at[2],
                        uint32_t *surface)
 {
@@ -425,8 +434,13 @@ int gather_grow(gather *g)
     if (g->leaves.count == 0 && (!scout(g) || !activate(g)))
         return 0;
     for (;;) {
-        if (!refine(g))
-            return 0;
+        size_t before;
+
+        do { /* leaves made later see what earlier ones are worth */
+            before = g->leaves.count;
+            if (!refine(g))
+                return 0;
+        } while (g->leaves.count > before && !g->hurry);
         /* A scene of few planes can afford smaller leaves. */
         if (g->leaves.count == 0 || count_leaves(g) >= g->effort.leaves || g->hurry ||
             g->effort.leaf_size < leaf_size_least)
