@@ -77,6 +77,7 @@ def noisy_page() -> np.ndarray:
 PAGES = {
     "text": text_page,
     "photograph of 90 dpi": lambda: photograph_page(90),
+    "photograph of 300 dpi": lambda: photograph_page(300),
     "noise in every pixel": noisy_page,
 }
 
