@@ -119,13 +119,18 @@ def peak(command: list[str], page: Path) -> float:
     return int(re.findall(r"VmHWM:\s+(\d+)", status)[0]) / 1024
 
 
+def light_map(folder: Path) -> Path:
+    down, across = np.mgrid[0:64, 0:64] / 63
+    light = (0.4 + 0.4 * down + across**2).astype("<f4")
+    path = folder / "light.pfm"
+    path.write_bytes(b"Pf\n64 64\n-1\n" + light.tobytes())
+    return path
+
+
 def throughput(rastertolcor: Path, folder: Path) -> dict[str, Any]:
     copy = folder / "copy_raster"
     subprocess.run(["cc", "-O2", ROOT / "bench/copy_raster.c", "-o", copy, "-lcups"], check=True)
-    down, across = np.mgrid[0:64, 0:64] / 63
-    light = (0.4 + 0.4 * down + across**2).astype("<f4")
-    (folder / "light.pfm").write_bytes(b"Pf\n64 64\n-1\n" + light.tobytes())
-    mapped = f"lcor-contrast=23.4 lcor-illuminance={folder}/light.pfm"
+    mapped = f"lcor-contrast=23.4 lcor-illuminance={light_map(folder)}"
     settings = {
         "even light": "lcor-contrast=23.4",
         "even light, texels, mean given": "lcor-contrast=23.4 lcor-reading=texel lcor-mean=0.2",
@@ -193,10 +198,29 @@ def lightness(stored: np.ndarray) -> np.ndarray:
     return np.where(y > (6 / 29) ** 3, 116 * np.cbrt(y) - 16, y * (29 / 3) ** 3)
 
 
-def corrected(rastertolcor: Path, pixels: np.ndarray, options: str) -> tuple[np.ndarray, float]:
-    """The page by texel reading, and its mean of r."""
+XYZ = np.array(
+    [
+        [0.4124564, 0.3575761, 0.1804375],
+        [0.2126729, 0.7151522, 0.0721750],
+        [0.0193339, 0.1191920, 0.9503041],
+    ]
+)
+
+
+def lab(stored: np.ndarray) -> np.ndarray:
+    t = LINEAR[stored] @ XYZ.T / XYZ.sum(1)
+    f = np.where(t > (6 / 29) ** 3, np.cbrt(t), t * 841 / 108 + 4 / 29)
+    x, y, z = (f[..., i] for i in range(3))
+    return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], -1)
+
+
+def corrected(
+    rastertolcor: Path, pixels: np.ndarray, options: str, reading: str = "texel"
+) -> tuple[np.ndarray, float]:
+    """The page, and its mean of r."""
+    options = f"lcor-contrast=23.4 lcor-reading={reading} {options}"
     done = subprocess.run(
-        [rastertolcor, "1", "u", "t", "1", f"lcor-contrast=23.4 lcor-reading=texel {options}"],
+        [rastertolcor, "1", "u", "t", "1", options],
         input=raster.write([raster.Page(pixels)]),
         capture_output=True,
         check=True,
@@ -254,14 +278,41 @@ def samples_of_a_page(rastertolcor: Path) -> dict[str, Any]:
     )
 
 
+def steps_of_light(rastertolcor: Path, folder: Path) -> dict[str, Any]:
+    """A page of 16 bits gets the light of each pixel."""
+    options = f"lcor-illuminance={light_map(folder)}"
+    rows = []
+    for reading in ("patch", "texel"):
+        worst = np.zeros(5)
+        for _, pixels in photographs(SIDE):
+            shown, mean = corrected(rastertolcor, pixels, options, reading)
+            deep = pixels * np.uint16(257)
+            smooth, _ = corrected(rastertolcor, deep, f"{options} lcor-mean={mean:.12g}", reading)
+            smooth = np.round(smooth / 257).astype(np.uint8)
+            codes = np.abs(shown.astype(int) - smooth)
+            off = np.linalg.norm(lab(shown) - lab(smooth), axis=-1)
+            found = [(codes > 0).mean(), (codes > 1).mean(), off.mean()]
+            worst = np.maximum(worst, [*found, *np.percentile(off, [99.9, 100])])
+        rows.append([reading, *map(float, worst)])
+    return results.table(
+        "Light in steps of 0.2 % against light of each pixel",
+        f"Photographs of mate-backgrounds, {SIDE} pixels wide, 8 bits, under the light map of the "
+        "first table; against the same pages of 16 bits, rounded. Worst of the photographs.",
+        ["r of", "bytes that differ", "by more than 1", "mean dE", "99.9 % of dE", "largest dE"],
+        rows,
+    )
+
+
 def main() -> None:
     rastertolcor = find_filter()
     # In memory: the disk would be measured otherwise.
     memory = Path("/dev/shm")
-    with tempfile.TemporaryDirectory(dir=memory if memory.is_dir() else None) as folder:
-        tables = [throughput(rastertolcor, Path(folder)), samples_of_a_page(rastertolcor)]
-    if next(photographs(SIDE), None) is not None:
-        tables.append(parts_of_a_page(rastertolcor))
+    with tempfile.TemporaryDirectory(dir=memory if memory.is_dir() else None) as name:
+        folder = Path(name)
+        tables = [throughput(rastertolcor, folder), samples_of_a_page(rastertolcor)]
+        if next(photographs(SIDE), None) is not None:
+            tables.append(steps_of_light(rastertolcor, folder))
+            tables.append(parts_of_a_page(rastertolcor))
     results.write(tables)
 
 
