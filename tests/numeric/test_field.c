@@ -9,17 +9,12 @@ enum { PLACES = 600 };
 
 static const lcor_surface grey = {.reflectance = {0.5, 0.5, 0.5}, .two_sided = 1};
 
-/* The unit cube from inside, a lamp, and with `furnished` a triangle and a pentagon standing in it.
- */
-static lcor_scene *make_room(int furnished)
+/* The unit cube from inside. */
+static lcor_scene *make_walls(void)
 {
     static const double origins[6][3] = {{0, 0, 0}, {0, 0, 1}, {0, 0, 0},
                                          {1, 0, 0}, {0, 0, 0}, {0, 1, 0}};
     static const int axes[6][2] = {{0, 1}, {1, 0}, {1, 2}, {2, 1}, {2, 0}, {0, 2}};
-    static const double pentagon[15] = {0.3, 0.5, 0.1, 0.5, 0.5, 0.1, 0.6, 0.6,
-                                        0.1, 0.4, 0.8, 0.1, 0.2, 0.6, 0.1};
-    static const double a[3] = {0.6, 0.2, 0.2}, b[3] = {0.9, 0.3, 0.25}, c[3] = {0.7, 0.3, 0.6};
-    const lcor_light lamp = {.position = {0.3, 0.4, 0.7}, .intensity = {1, 1, 1}};
     lcor_scene *scene;
 
     assert_int_equal(lcor_scene_new(NULL, &scene, NULL), LCOR_OK);
@@ -29,6 +24,18 @@ static lcor_scene *make_room(int furnished)
         u[axes[i][0]] = v[axes[i][1]] = 1;
         assert_int_equal(lcor_scene_add_quad(scene, origins[i], u, v, &grey, NULL, NULL), LCOR_OK);
     }
+    return scene;
+}
+
+/* Those walls, a lamp, and with `furnished` a triangle and a pentagon standing between them. */
+static lcor_scene *make_room(int furnished)
+{
+    static const double pentagon[15] = {0.3, 0.5, 0.1, 0.5, 0.5, 0.1, 0.6, 0.6,
+                                        0.1, 0.4, 0.8, 0.1, 0.2, 0.6, 0.1};
+    static const double a[3] = {0.6, 0.2, 0.2}, b[3] = {0.9, 0.3, 0.25}, c[3] = {0.7, 0.3, 0.6};
+    const lcor_light lamp = {.position = {0.3, 0.4, 0.7}, .intensity = {1, 1, 1}};
+    lcor_scene *scene = make_walls();
+
     if (furnished) {
         assert_int_equal(lcor_scene_add_triangle(scene, a, b, c, &grey, NULL, NULL), LCOR_OK);
         assert_int_equal(lcor_scene_add_polygon(scene, 5, pentagon, &grey, NULL, NULL), LCOR_OK);
@@ -169,6 +176,49 @@ static void triangles_and_polygons_are_interpolated_too(void **state)
     free_setting(&s);
 }
 
+/* A wall that is seen through from behind parts the room; the lamp is on its other side. */
+static setting make_divided_setting(void)
+{
+    static const unsigned char cull[7] = {0, 0, 0, 0, 0, 0, 1};
+    static const double origin[3] = {0.5, 0, 0}, u[3] = {0, 1, 0}, v[3] = {0, 0, 0.8};
+    const lcor_surface facing = {.reflectance = {0.5, 0.5, 0.5}};
+    const lcor_light lamp = {.position = {0.8, 0.5, 0.9}, .intensity = {1, 1, 1}};
+    const lcor_radiosity_options options = {
+        .struct_size = sizeof options, .tolerance = 0.02, .engine = LCOR_ENGINE_LINKS};
+    const lcor_view_options through = {.struct_size = sizeof through, .cull_back = cull};
+    setting s = {.camera = {.position = {0.02, 0.5, 0.5},
+                            .forward = {1, 0.05, -0.1},
+                            .up = {0, 0, 1},
+                            .fov_y = 1.4,
+                            .size_x = 200,
+                            .size_y = 150},
+                 .scene = make_walls()};
+
+    assert_int_equal(lcor_scene_add_quad(s.scene, origin, u, v, &facing, NULL, NULL), LCOR_OK);
+    assert_int_equal(lcor_scene_add_light(s.scene, &lamp, NULL, NULL), LCOR_OK);
+    assert_int_equal(lcor_scene_commit(s.scene, NULL, NULL), LCOR_OK);
+    assert_int_equal(lcor_radiosity_solve(s.scene, &options, &s.solution, NULL), LCOR_OK);
+    assert_int_equal(lcor_view_new(s.scene, &s.camera, &through, &s.view, NULL), LCOR_OK);
+    return s;
+}
+
+/* Floor and walls are bright on one side of it and dark on the other: neither where cells are
+ * split nor where few pixels show them does one side's light reach the other. */
+static void light_jumps_where_a_wall_stands(void **state)
+{
+    const lcor_field_options options = {.struct_size = sizeof options, .tolerance = 2e-3};
+    setting s = make_divided_setting();
+    lcor_field *field = make_field(&s, &options);
+    const difference d = compare(&s, field);
+
+    (void)state;
+    print_message("divided room: worst %.1e, rms %.1e\n", d.worst, d.rms);
+    assert_true(d.worst <= 0.05);
+    assert_true(d.rms <= 5e-3);
+    lcor_field_free(field);
+    free_setting(&s);
+}
+
 static void backwards(void *user, size_t n, void (*task)(void *arg, size_t i), void *arg)
 {
     (void)user;
@@ -261,6 +311,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(interpolation_keeps_the_tolerance_in_a_room),
         cmocka_unit_test(triangles_and_polygons_are_interpolated_too),
+        cmocka_unit_test(light_jumps_where_a_wall_stands),
         cmocka_unit_test(bits_do_not_depend_on_the_order_of_work),
         cmocka_unit_test(cancelling_and_wrong_arguments_are_reported),
         cmocka_unit_test(every_failed_allocation_is_an_error_without_a_leak),

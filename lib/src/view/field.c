@@ -136,16 +136,17 @@ static void ask_solution(const lcor_field *field, size_t surface, const double x
 }
 
 /* Returns 0 where the cell does not tell: at the foot of what stands on a surface, say, where light
- * jumps. */
+ * jumps, and where it was split because it did not and no place of the part around was noticed. */
 static int cells_at(const lcor_field *field, size_t surface, const double uv[2], double *indirect)
 {
     double st[2];
     const field_part *part = field_part_of(field, surface, uv, st);
     const field_cell *cell = find_cell(field, part, st);
 
-    if (!cell->torn)
-        field_interpolate(field, cell, st, indirect);
-    return !cell->torn;
+    if (cell->torn || cell->child)
+        return 0;
+    field_interpolate(field, cell, st, indirect);
+    return 1;
 }
 
 /* Returns 0 where no record tells, as may be beyond the limit on samples. */
