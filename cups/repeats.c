@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SLACK   8  /* bytes after a row that are read along with its last pixels */
+#define SLACK   1  /* a pixel of three bytes is moved with the byte after it */
 #define STRETCH 32 /* pixels at most */
 /* Where pixels hardly repeat, looking is slower: after two rows in succession with more runs than
  * half their pixels, the next ones are corrected plainly. One such row alone may be the first of
@@ -17,13 +17,15 @@ bool repeats_open(repeats *r, size_t width)
 {
     memset(r, 0, sizeof *r);
     r->width = width;
-    r->before = calloc(1, 3 * width + SLACK);
-    r->after = malloc(3 * width + SLACK);
+    r->before = malloc(3 * width);
+    r->after = malloc(3 * width);
     r->texels = malloc(3 * width + SLACK);
     r->light = malloc(width * sizeof *r->light);
-    r->run = malloc(width * sizeof *r->run);
-    r->stretch_end = malloc((width + 1) * sizeof *r->stretch_end);
-    return r->before && r->after && r->texels && r->light && r->run && r->stretch_end;
+    r->run_of = malloc(width * sizeof *r->run_of);
+    r->stretch_end = malloc(width * sizeof *r->stretch_end);
+    r->changed = malloc(width * sizeof *r->changed);
+    return r->before && r->after && r->texels && r->light && r->run_of && r->stretch_end &&
+           r->changed;
 }
 
 void repeats_close(repeats *r)
@@ -32,8 +34,9 @@ void repeats_close(repeats *r)
     free(r->after);
     free(r->texels);
     free(r->light);
-    free(r->run);
+    free(r->run_of);
     free(r->stretch_end);
+    free(r->changed);
     memset(r, 0, sizeof *r);
 }
 
@@ -50,52 +53,43 @@ static void find_stretches(repeats *r, const float *light)
     }
 }
 
-/* How many of n pixels, the first one included, have its colour. Two are compared at once. */
-static size_t run_length(const unsigned char *p, size_t n)
-{
-    uint64_t one = 0, two = 0; /* the bytes of so many pixels */
-    memset(&one, 0xff, 3);
-    memset(&two, 0xff, 6);
-    for (size_t length = 1; length < n; p += 6, length += 2) {
-        uint64_t here, next;
-        memcpy(&here, p, sizeof here);
-        memcpy(&next, p + 3, sizeof next);
-        if ((here ^ next) & one)
-            return length;
-        if ((here ^ next) & two)
-            return length + 1 < n ? length + 1 : n;
-    }
-    return n;
-}
-
-/* The runs of the row that are not in `before` or were there under other light. */
+/* The runs of the stretches that are not in `before` or were there under other light. Most runs of
+ * a photograph are short, so a pixel that goes on with one takes the same way as one that does not.
+ */
 static void find_runs(repeats *r, const unsigned char *row, const float *light, bool other_light)
 {
-    size_t x = 0;
-    r->runs = 0;
-    for (size_t i = 0; i < r->stretches; i++) {
-        const size_t end = r->stretch_end[i];
-        if (!other_light && memcmp(row + 3 * x, r->before + 3 * x, 3 * (end - x)) == 0)
+    uint32_t mask = 0, runs = 0;
+    memset(&mask, 0xff, 3);
+    r->changes = 0;
+    for (size_t i = 0, x = 0; i < r->stretches; i++) {
+        const size_t begin = x, end = r->stretch_end[i];
+        if (!other_light && memcmp(row + 3 * x, r->before + 3 * x, 3 * (end - x)) == 0) {
             x = end;
-        for (size_t n; x < end; x += n) {
-            n = run_length(row + 3 * x, end - x);
-            memcpy(r->texels + 3 * r->runs, row + 3 * x, 3);
-            r->light[r->runs] = light[x];
-            r->run[r->runs++] = (repeats_run){(uint32_t)x, (uint32_t)n};
+            continue;
+        }
+        r->changed[r->changes++] = i;
+        for (uint32_t last = 0; x < end; x++) {
+            uint32_t pixel;
+            memcpy(&pixel, row + 3 * x, sizeof pixel);
+            pixel &= mask;
+            runs += (x == begin) | (pixel != last);
+            last = pixel;
+            memcpy(r->texels + 3 * (size_t)(runs - 1), &pixel, sizeof pixel);
+            r->light[runs - 1] = light[x];
+            r->run_of[x] = runs - 1;
         }
     }
+    r->runs = runs;
 }
 
 /* Puts the runs, which are corrected now, in their places. */
 static void fill_runs(repeats *r)
 {
-    for (size_t i = 0; i < r->runs; i++) {
-        unsigned char *to = r->after + 3 * (size_t)r->run[i].first;
-        uint32_t pixel;
-        memcpy(&pixel, r->texels + 3 * i, sizeof pixel);
-        for (uint32_t n = r->run[i].length; n > 1; n--, to += 3)
-            memcpy(to, &pixel, sizeof pixel);
-        memcpy(to, &pixel, 3);
+    for (size_t i = 0; i < r->changes; i++) {
+        const size_t stretch = r->changed[i], last = r->stretch_end[stretch] - 1;
+        for (size_t x = stretch > 0 ? r->stretch_end[stretch - 1] : 0; x < last; x++)
+            memcpy(r->after + 3 * x, r->texels + 3 * (size_t)r->run_of[x], 4);
+        memcpy(r->after + 3 * last, r->texels + 3 * (size_t)r->run_of[last], 3);
     }
 }
 

@@ -11,10 +11,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-typedef struct repeats_run {
-    uint32_t first, length;
-} repeats_run;
-
 /* One per thread. */
 typedef struct repeats {
     size_t width;
@@ -23,10 +19,12 @@ typedef struct repeats {
     bool known;                    /* there is such a row */
     size_t *stretch_end;           /* of stretches of one light and of no great length */
     size_t stretches;
-    unsigned char *texels; /* of each run that is computed: the colour, ... */
-    float *light;          /* ... the light, ... */
-    repeats_run *run;      /* ... and its pixels */
+    size_t *changed; /* those that are other than in the row before */
+    size_t changes;
+    unsigned char *texels; /* of each run in them: the colour ... */
+    float *light;          /* ... and the light */
     size_t runs;
+    uint32_t *run_of;  /* of each pixel in them: its run */
     size_t poor_rows;  /* in succession, in which hardly anything repeats */
     size_t plain_rows; /* still to be corrected without looking */
 } repeats;
@@ -36,8 +34,9 @@ bool repeats_open(repeats *r, size_t width);
 void repeats_close(repeats *r);
 /* Before another plan. */
 void repeats_forget(repeats *r);
-/* lcor_correct_row in place, the same bytes. `drawn` is another number whenever `light` is other
- * than in the call before. The pixels computed are those that `stats` counts. */
+/* lcor_correct_row in place, the same bytes; one byte after the row must be readable. `drawn` is
+ * another number whenever `light` is other than in the call before. The pixels computed are those
+ * that `stats` counts. */
 void repeats_correct_row(repeats *r, const lcor_plan *plan, size_t y, unsigned char *row,
                          const float *light, size_t drawn, lcor_row_stats *stats);
 
