@@ -88,10 +88,10 @@ static const unsigned char *unpack_row(const unsigned char *p, const unsigned ch
         if (n > pixels || bytes > (size_t)(end - p))
             return NULL;
         if (is_run) {
-            unsigned char pixel[PACK_SLACK] = {0};
-            memcpy(pixel, p, pixel_bytes);
+            uint64_t pixel;
+            memcpy(&pixel, p, sizeof pixel);
             for (size_t i = 0; i < n; i++)
-                memcpy(to + i * pixel_bytes, pixel, PACK_SLACK);
+                memcpy(to + i * pixel_bytes, &pixel, sizeof pixel);
         } else {
             memcpy(to, p, bytes);
         }
