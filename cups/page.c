@@ -41,7 +41,7 @@ typedef struct page {
     size_t workers;
     size_t hand_count; /* one for each worker; with a running mean, then the filling thread's */
     hand *hands;
-    bool repeats; /* 8 bits: light goes in steps, and what repeats is computed once */
+    bool repeats; /* interleaved samples of 8 bits: what repeats is computed once */
 } page;
 
 /* The mean of r depends on the pixels ... */
@@ -352,7 +352,8 @@ static bool make_hand(const page *p, hand *h)
         row_sample_open(&h->sample, p->format) &&
         (h->light = malloc(h->sample.count * sizeof *h->light)) &&
         (h->r = malloc(h->sample.count * sizeof *h->r)) &&
-        illuminance_rows_open(&h->light_rows, &p->job->map, width, p->format->height, p->repeats))
+        illuminance_rows_open(&h->light_rows, &p->job->map, width, p->format->height,
+                              p->format->type == LCOR_U8))
         return true;
     filter_say("ERROR", "page %u: no memory for rows of %zu pixels", p->number, width);
     return false;

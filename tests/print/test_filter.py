@@ -213,6 +213,14 @@ def test_what_repeats_comes_out_as_if_each_pixel_were_computed(correct, tmp_path
     assert 0.99 * here.size < computed[1] <= here.size
 
 
+def test_banded_order_gets_the_same_light(correct, tmp_path):
+    pixels = picture(120, 90)
+    light = save_pfm(tmp_path / "map.pfm", 1 + ramp(5, 7) / 10)
+    options = f"lcor-contrast=9 lcor-illuminance={light}"
+    a, b = (correct(raster.write([Page(pixels, SRGB, o)]), options) for o in (0, BANDED))
+    assert np.array_equal(raster.read(a.out)[0].pixels, raster.read(b.out)[0].pixels)
+
+
 def test_the_steps_of_light_are_too_small_to_be_seen(correct, tmp_path):
     rng = np.random.default_rng(4)
     height, width = 400, 600
