@@ -160,7 +160,9 @@ struct DeviceOptions {
     std::optional<double> contrast;
     void declare(Options &options);
     bool given() const { return !profile.empty() || contrast; }
-    Device load() const; /* Exit::usage, Exit::bad_profile, Exit::permission */
+    /* Exit::usage, Exit::bad_profile, Exit::permission. A device that is not needed may be left
+     * out: it has contrast infinity. */
+    Device load(bool needed) const;
 };
 
 /* ---- the correction's own options, the same for pictures and for views ---- */
@@ -258,6 +260,8 @@ class OutputFile
 std::string read_file(const std::string &path, uint64_t limit, Exit missing = Exit::input);
 std::string read_start(const std::string &path, size_t size); /* its first bytes */
 void write_file(const std::string &path, const std::string &bytes);
+/* Fails as write_file would for a path that cannot be written to: before the long work. */
+void check_output(const std::string &path);
 /* Ctrl-C, SIGTERM and SIGHUP remove temporary files and end with 128 + their number; so does
  * exit(), with its own code. */
 void handle_signals();

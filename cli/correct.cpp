@@ -79,8 +79,8 @@ class Corrector
 {
   public:
     Corrector(const Job &job, Threads &threads)
-        : job_(job), threads_(threads), device_(job.device.load()), reader_(job.texture),
-          colour_(job.correction.colour(reader_.float_samples())),
+        : job_(job), threads_(threads), device_(job.device.load(!job.correction.conventional)),
+          reader_(job.texture), colour_(job.correction.colour(reader_.float_samples())),
           map_(job.map, colour_, reader_.width(), reader_.height()),
           writer_(job.output, output_spec(reader_, job, device_)),
           rows_(reader_.spec().format, writer_.spec().format,
@@ -406,13 +406,15 @@ Exit run_correct(const Arguments &arguments)
     check_reflectance(job.measured, "--measured");
     if (job.rho && job.measured)
         fail(Exit::usage, "--rho and --measured exclude each other");
-    if (job.correction.conventional && !job.device.given())
-        job.device.contrast = 2.0; /* eq 19 knows no device */
-    job.correction.mean_method();  /* says at once what is wrong with --mean */
+    job.correction.mean_method(); /* says at once what is wrong with --mean */
     Threads threads(thread_count);
     OIIO::attribute("threads", threads.count());
     const Json report = Corrector(job, threads).run();
-    say("%s: corrected, mean of r %s", job.output.c_str(), number_text(report["r_mean"]).c_str());
+    if (job.correction.conventional)
+        say("%s: conventional method", job.output.c_str());
+    else
+        say("%s: corrected, mean of r %s", job.output.c_str(),
+            number_text(report["r_mean"]).c_str());
     print_json(report);
     return Exit::ok;
 }

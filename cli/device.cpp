@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli.h"
 
-#include <cmath>
+#include <limits>
 
 namespace cli
 {
@@ -19,14 +19,18 @@ void DeviceOptions::declare(Options &options)
         .number("--contrast", "C", contrast, "contrast of the device instead of a profile, > 1");
 }
 
-Device DeviceOptions::load() const
+Device DeviceOptions::load(bool needed) const
 {
+    Device device;
+    if (!needed && !given()) {
+        device.contrast = std::numeric_limits<double>::infinity();
+        return device;
+    }
     if (profile.empty() == !contrast)
         fail(Exit::usage,
              profile.empty()
                  ? "which device? give --profile FILE (measured by lccal) or --contrast C"
                  : "--profile and --contrast exclude each other");
-    Device device;
     if (contrast) {
         if (!(*contrast > 1.0))
             fail(Exit::usage, "--contrast must be greater than 1, not %s",
@@ -71,7 +75,8 @@ void CorrectionOptions::declare(Options &options, bool with_space)
         .choice("--lightness", {"cie", "paper"}, lightness,
                 "f of eqs 2-4: CIE 1976, or the plain cube root")
         .choice("--gamut", {"keep-hue", "clip"}, gamut, "what colours outside RGB become")
-        .flag("--conventional", conventional, "the conventional method for comparison (eq 19)");
+        .flag("--conventional", conventional,
+              "the conventional method for comparison (eq 19); needs no device");
 }
 
 lcor_mean_method CorrectionOptions::mean_method() const

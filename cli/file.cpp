@@ -216,6 +216,8 @@ std::string read_file(const std::string &path, uint64_t limit, Exit missing)
     return bytes;
 }
 
+void check_output(const std::string &path) { const OutputFile trial(path); }
+
 void write_file(const std::string &path, const std::string &bytes)
 {
     OutputFile file(path);

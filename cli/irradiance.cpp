@@ -256,6 +256,9 @@ Exit run_irradiance(const Arguments &arguments)
         fail(Exit::usage, "where? give --points P.csv -o E.csv, or --patches E.csv");
     if (!points_path.empty() && output.empty())
         fail(Exit::usage, "--points needs -o E.csv for the result");
+    for (const std::string &path : {output, patches_path, report_path})
+        if (!path.empty())
+            check_output(path);
     Points points;
     if (!points_path.empty())
         points = read_points(points_path);

@@ -152,10 +152,12 @@ Json statistics(const lcor_row_stats &stats)
 void render_scene(const RenderOptions &render, const std::string &command)
 {
     Threads threads(render.threads);
-    const Device device = render.device.load();
+    const Device device = render.device.load(!render.correction.conventional);
     std::optional<double> shared; /* read before the long work, so that a bad file costs none */
     if (!render.adaptation.empty() && exists(render.adaptation))
         shared = read_adaptation(render.adaptation);
+    else if (!render.adaptation.empty())
+        check_output(render.adaptation);
     const Scene scene = load_scene(render.scene, render.scene_options, threads);
     const SceneCamera camera = choose_camera(scene, render.camera);
     const lcor_camera sized = sized_camera(camera, render.size);
@@ -182,9 +184,10 @@ void render_scene(const RenderOptions &render, const std::string &command)
                                                render.correction, device, provenance);
     for (const AovRequest &aov : render.aovs)
         write_aov(aov, {picture, developer, render.correction, device, r_mean}, provenance);
-    say("%s: %zu x %zu, %s for contrast %s", render.output.c_str(), picture.width(),
-        picture.height(), render.correction.conventional ? "conventional method" : "corrected",
-        short_text(device.contrast).c_str());
+    say("%s: %zu x %zu, %s", render.output.c_str(), picture.width(), picture.height(),
+        render.correction.conventional
+            ? "conventional method"
+            : ("corrected for contrast " + short_text(device.contrast)).c_str());
     say_engine(solution.get());
     lcor_field_report field;
     lcor_field_get_report(picture.field(), &field);

@@ -125,6 +125,9 @@ class Builder
         }
         coloured_ = options_.channels == 2 || (options_.channels == 0 && colours.differ());
         out_.channels = coloured_ ? 3 : 1;
+        out_.channels_reason = options_.channels != 0 ? lcor_reason_text(LCOR_REASON_ASKED)
+                               : coloured_            ? "lights differ in colour"
+                                                      : "all lights have one colour";
     }
 
     /* One channel: all three hold the luminance. */

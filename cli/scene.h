@@ -72,7 +72,8 @@ struct Scene {
     std::vector<Texture> textures;
     std::vector<Image> images;
     std::vector<SceneCamera> cameras;
-    int channels = 0;       /* for lcor_radiosity_options.channels */
+    int channels = 0; /* for lcor_radiosity_options.channels */
+    std::string channels_reason;
     lcor_colour colour;     /* linear, of --space: whose Y row luminance means */
     double low[3], high[3]; /* bounding box */
     size_t triangles = 0, dropped = 0, lights = 0, emitters = 0;

@@ -102,7 +102,7 @@ Json report_json(const Scene &scene, const lcor_solution *solution)
             {"estimated_seconds",
              {{"links", report->links_seconds}, {"gather", report->gather_seconds}}},
             {"visibility_reason", lcor_reason_text(report->visibility_reason)},
-            {"channels_reason", lcor_reason_text(report->channels_reason)},
+            {"channels_reason", scene.channels_reason},
             {"pairs_apart", report->pairs_apart},
             {"pairs_open", report->pairs_open},
             {"pairs_tested", report->pairs_tested},

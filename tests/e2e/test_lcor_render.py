@@ -312,7 +312,19 @@ def test_what_cannot_be_written_is_refused_before_the_scene_is_read(tmp_path):
     refused(1, "render", scene, "-o", missing, *DEVICE, says=f"{missing}")
     refused(1, "render", scene, "-o", picture, *DEVICE, "--aov", f"illuminance={missing}",
             says=f"{missing}")
+    refused(1, "render", scene, "-o", picture, *DEVICE, "--adaptation", missing, says=f"{missing}")
+    table = tmp_path / "e.csv"
+    for paths in (("--patches", missing), ("--patches", table, "--report", missing)):
+        refused(1, "irradiance", scene, *paths, says=f"{missing}")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_conventional_method_needs_no_device(room, tmp_path):
+    for name, device in (("a.tif", ()), ("b.tif", DEVICE)):
+        found = report("render", room, "-o", tmp_path / name, "--conventional", *DRAFT, *device)
+        assert found["contrast"] == (23.4 if device else None)
+        assert found["radiosity"]["channels_reason"] == "all lights have one colour"
+    assert pixels(tmp_path / "a.tif") == pixels(tmp_path / "b.tif")
 
 
 def test_a_picture_larger_than_memory_is_refused_before_the_scene_is_solved(room, tmp_path):
