@@ -25,7 +25,7 @@ static const char help[] =
 
 typedef struct verify_options {
     const char *against;
-    double tolerance, max_age;
+    double tolerance, max_age; /* HUGE_VAL: any age */
     lccal_measure_options measure;
 } verify_options;
 
@@ -35,7 +35,7 @@ typedef struct verify_options {
 static int verify_age(json *verdict, const lcor_profile *profile, const char *path, double max_age)
 {
     const double created = profile_created(profile);
-    if (max_age <= 0.0)
+    if (max_age >= HUGE_VAL)
         return LCCAL_OK;
     if (created < 0.0)
         return lccal_fail_as(verdict, LCCAL_VERIFY_FAILED,
@@ -157,7 +157,8 @@ static int run(const char *path, const verify_options *o)
 
 int cmd_verify(int argc, char **argv)
 {
-    verify_options o = {.tolerance = 0.03, .measure = {.readings = 5, .timeout = 120.0}};
+    verify_options o = {
+        .tolerance = 0.03, .max_age = HUGE_VAL, .measure = {.readings = 5, .timeout = 120.0}};
     const lccal_option options[] = {
         {"--against", NULL, LCCAL_TEXT, &o.against},
         {"--tolerance", NULL, LCCAL_NUMBER, &o.tolerance},
@@ -176,10 +177,10 @@ int cmd_verify(int argc, char **argv)
         return lccal_fail(LCCAL_USAGE, "verify wants one profile; --help explains");
     if (o.against && o.measure.port)
         return lccal_fail(LCCAL_USAGE, "--against and --port exclude each other");
-    if (!o.against && !o.measure.port && o.max_age <= 0.0)
+    if (!o.against && !o.measure.port && o.max_age >= HUGE_VAL)
         return lccal_fail(LCCAL_USAGE, "verify compares with --against OTHER or --port PORT, or "
                                        "checks --max-age DAYS");
-    if (!(o.tolerance > 0.0) || !(o.max_age >= 0.0))
+    if (!(o.tolerance > 0.0) || !(o.max_age > 0.0))
         return lccal_fail(LCCAL_USAGE, "--tolerance and --max-age want a number greater than 0");
     if (o.measure.readings > 1000 || !(o.measure.timeout > 0.0) || o.measure.timeout > DAY)
         return lccal_fail(LCCAL_USAGE, "--readings wants 1 to 1000, --timeout seconds up to a day");

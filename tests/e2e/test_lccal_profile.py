@@ -175,11 +175,17 @@ def test_verify_measures_again(tmp_path, contrast, code):
     assert profile.read_bytes() == before
 
 
-@pytest.mark.parametrize("arguments", [[], ["--against", "x", "--port", "y"], ["--tolerance", "0",
-                                       "--against", "x"], ["--max-age", "-1"],
-                                  ["--tolerance", "a"]])
-def test_verify_wants_something_to_do(profile, arguments):
-    assert lccal("verify", profile, *arguments).returncode == 2
+@pytest.mark.parametrize("arguments, words", [
+    ([], "verify compares"),
+    (["--against", "x", "--port", "y"], "exclude"),
+    (["--tolerance", "0", "--against", "x"], "greater than 0"),
+    (["--max-age", "-1"], "greater than 0"),
+    (["--max-age", "0", "--against", "x"], "greater than 0"),
+    (["--tolerance", "a"], "number"),
+])
+def test_verify_wants_something_to_do(profile, arguments, words):
+    run = lccal("verify", profile, *arguments)
+    assert run.returncode == 2 and words in run.stderr
 
 
 # ---- history
