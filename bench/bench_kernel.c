@@ -190,7 +190,7 @@ typedef struct result {
 
 /* Of one run of this program. */
 typedef struct results {
-    const lcor_kernel *kernels[KERNELS_MAX];
+    lcor_kernel kernels[KERNELS_MAX];
     size_t kernel_count;
     int chosen[PATHS]; /* not 0: measure it */
     result of[PATHS][KERNELS_MAX];
@@ -273,7 +273,7 @@ static double timed_run(const pictures *p, const path *what, const lcor_kernel *
     lcor_plan *plan = make_plan(what, what->type);
     double t;
 
-    plan->kernel = kernel;
+    plan->kernel = *kernel;
     t = now();
     run(p, p->n, what, plan);
     t = now() - t;
@@ -295,7 +295,7 @@ static void measure_times(const pictures *p, results *r)
         r->bound_ns = fmin(r->bound_ns, (now() - t) / (double)p->n * 1e9);
         for (int w = 0; w < PATHS; w++)
             for (size_t v = 0; r->chosen[w] && v < r->kernel_count; v++) {
-                t = timed_run(p, &paths[w], r->kernels[v]);
+                t = timed_run(p, &paths[w], &r->kernels[v]);
                 r->of[w][v].ns = fmin(r->of[w][v].ns, t);
             }
     }
@@ -340,7 +340,7 @@ static void report_path(const pictures *p, int w, results *r, FILE *json)
         run(p, n, &paths[w], plan);
         lcor_plan_free(plan);
         measure_errors(p, &paths[w], &r->of[w][v]);
-        report(&r->of[w][v], r->bound_ns, r->kernels[v]->name, &paths[w], json);
+        report(&r->of[w][v], r->bound_ns, r->kernels[v].name, &paths[w], json);
     }
 }
 
@@ -363,9 +363,9 @@ static void report_ratios(const pictures *p, const results *r, FILE *json)
         const double clip = r->of[F32_CLIP][v].ns, hue = r->of[F32_KEEP_HUE][v].ns / clip;
         const double bytes = r->of[U8_CLIP][v].ns / clip;
 
-        printf("%-7s %23.2f %18.2f\n", r->kernels[v]->name, hue, bytes);
+        printf("%-7s %23.2f %18.2f\n", r->kernels[v].name, hue, bytes);
         if (json != NULL)
-            fprintf(json, "%s[\"%s\", %.2f, %.2f]", v > 0 ? ", " : "", r->kernels[v]->name, hue,
+            fprintf(json, "%s[\"%s\", %.2f, %.2f]", v > 0 ? ", " : "", r->kernels[v].name, hue,
                     bytes);
     }
 }
@@ -386,7 +386,7 @@ int main(int argc, char **argv)
         return 1;
     }
     while (r.kernel_count < KERNELS_MAX &&
-           (r.kernels[r.kernel_count] = lcor_internal_kernel(r.kernel_count)) != NULL)
+           lcor_internal_kernel(r.kernel_count, &r.kernels[r.kernel_count]))
         r.kernel_count++;
     for (int w = 0; w < PATHS; w++)
         r.chosen[w] = argc <= 3 || strcmp(argv[3], paths[w].name) == 0;

@@ -36,7 +36,7 @@ static inline lcor_plan *make_plan(const lcor_plan_options *o)
 /* The test hook: run a plan on one kernel of this build, not on the best. */
 static inline void force_kernel(lcor_plan *plan, const lcor_kernel *kernel)
 {
-    plan->kernel = kernel;
+    plan->kernel = *kernel;
 }
 
 #endif

@@ -110,18 +110,18 @@ int main(void)
         printf("%d %016llx\n", kind, (unsigned long long)hash(out, sizeof out));
         {
             const uint64_t one_thread = hash(out, sizeof out);
-            const lcor_kernel *kernel;
+            lcor_kernel kernel;
 
             memset(out, 0, sizeof out);
             run(2);
             if (hash(out, sizeof out) != one_thread)
                 printf("%d differs with two threads\n", kind);
-            for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
+            for (size_t v = 0; lcor_internal_kernel(v, &kernel); v++) {
                 plan->kernel = kernel;
                 memset(out, 0, sizeof out);
                 run(1);
                 if (hash(out, sizeof out) != one_thread)
-                    printf("%d differs with %s\n", kind, kernel->name);
+                    printf("%d differs with %s\n", kind, kernel.name);
             }
         }
         lcor_plan_free(plan);

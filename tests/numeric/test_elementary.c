@@ -51,6 +51,20 @@ static void cube_root_is_within_an_ulp(void **state)
                 isnan(lcor_internal_cbrt((double)NAN)));
 }
 
+static void inverse_fifth_root_is_within_5_ulp(void **state)
+{
+    uint64_t seed = 11;
+
+    (void)state;
+    for (int i = 0; i < 100000; i++) {
+        const double x = fmax(i % 2 ? any_positive(&seed) : 8.0 * random_unit(&seed), DBL_MIN);
+
+        assert_true(ulps(lcor_internal_inverse_fifth_root(x), powl((long double)x, -0.2L)) <
+                    5.0 + OWN);
+    }
+    assert_true(lcor_internal_inverse_fifth_root(1.0) == 1.0); /* white stays white */
+}
+
 static void logarithm_is_within_2_3e_16(void **state)
 {
     uint64_t seed = 6;
@@ -100,9 +114,11 @@ static void power_keeps_its_bound(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cube_root_is_within_an_ulp), cmocka_unit_test(logarithm_is_within_2_3e_16),
-        cmocka_unit_test(power_of_two_is_within_1_5_ulps), cmocka_unit_test(power_keeps_its_bound)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(cube_root_is_within_an_ulp),
+                                       cmocka_unit_test(inverse_fifth_root_is_within_5_ulp),
+                                       cmocka_unit_test(logarithm_is_within_2_3e_16),
+                                       cmocka_unit_test(power_of_two_is_within_1_5_ulps),
+                                       cmocka_unit_test(power_keeps_its_bound)};
 
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

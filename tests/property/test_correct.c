@@ -183,7 +183,7 @@ static void any_split_of_a_row_and_any_kernel_give_the_same_bytes(void **state)
         const char *texels = k & 16 ? (const char *)rgb8 : (const char *)rgb32;
         lcor_plan_options o = options_of(k & 3, LCOR_F32);
         lcor_row_stats whole = {0}, parts = {0};
-        const lcor_kernel *kernel;
+        lcor_kernel kernel;
         lcor_colour colour;
         uint64_t seed = 77;
         lcor_plan *plan;
@@ -203,10 +203,10 @@ static void any_split_of_a_row_and_any_kernel_give_the_same_bytes(void **state)
         for (size_t i = 0; i < N; i++)
             rho[i] = (float)random_unit(&seed);
         lcor_correct_row(plan, 0, N, texels, light32, rho, out32, &whole);
-        for (size_t v = 0; (kernel = lcor_internal_kernel(v)) != NULL; v++) {
+        for (size_t v = 0; lcor_internal_kernel(v, &kernel); v++) {
             size_t at = 0;
 
-            force_kernel(plan, kernel);
+            force_kernel(plan, &kernel);
             memset(&parts, 0, sizeof parts);
             while (at < N) {
                 size_t n = random_bits(&seed) % 200;

@@ -28,6 +28,15 @@ static inline double lcor_internal_f_inverse(lcor_lightness lightness, double f)
     return (f - 4.0 / 29.0) * (108.0 / 841.0);
 }
 
+/* Linear value of what sRGB stores, without a jump. */
+static LCOR_INLINE double lcor_internal_from_srgb(double stored)
+{
+    const double knee = 0.04045, u = ((stored > knee ? stored : knee) + 0.055) / 1.055;
+    const double v = u * lcor_internal_inverse_fifth_root(u);
+
+    return stored > knee ? v * v * v : stored / 12.92; /* u^2.4 = u^3 u^(-3/5) */
+}
+
 /* out = m in, m row-major 3x3; in may be out. */
 static inline void lcor_internal_mat3_apply(const double m[9], const double in[3], double out[3])
 {

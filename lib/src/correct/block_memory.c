@@ -26,7 +26,7 @@ static LCOR_APART void load_plane(const lcor_plan *p, const void *from, size_t s
     if (p->in_type == LCOR_F32) {
         LOAD(float, s)
     } else if (step == 1 && m == LCOR_BLOCK) {
-        p->kernel->widen(p->in_type, 1, from, to);
+        p->kernel.widen(p->in_type, 1, from, to);
     } else if (p->in_type == LCOR_U8) {
         LOAD(uint8_t, (float)s)
     } else {
@@ -152,9 +152,9 @@ void lcor_internal_to_device(const lcor_plan *plan, float values[LCOR_BLOCK])
     if (plan->tone != NULL)
         apply_tone(plan, values);
     else if (plan->colour.transfer == LCOR_TRANSFER_SRGB)
-        plan->kernel->to_srgb(values);
+        plan->kernel.to_srgb(values);
     else if (plan->colour.transfer != LCOR_TRANSFER_LINEAR)
-        plan->kernel->power(&plan->k.encode, values);
+        plan->kernel.power(&plan->k.encode, values);
 }
 
 /* to[j step] = from[j], m samples */
@@ -181,7 +181,7 @@ static LCOR_APART const void *as_samples(const lcor_plan *p, const float *values
 {
     if (p->out_type == LCOR_F32)
         return values;
-    p->kernel->narrow(p->out_type, 1, values, codes);
+    p->kernel.narrow(p->out_type, 1, values, codes);
     return codes;
 }
 
@@ -195,16 +195,16 @@ void lcor_internal_store_pixels(const lcor_row_job *job, size_t at, size_t m, lc
     float LCOR_ALIGNED pixels[3 * LCOR_BLOCK];
 
     if (m < LCOR_BLOCK || !lcor_internal_is_interleaved(l)) {
-        p->kernel->clamp_planes(b->c[0]);
+        p->kernel.clamp_planes(b->c[0]);
         for (size_t k = 0; k < 3; k++, to += l.channel_step * size)
             scatter(p->out_type, as_samples(p, b->c[k], codes), m, to, l.pixel_step);
     } else if (p->out_type == LCOR_F32) {
-        p->kernel->interleave(b, (float *)(void *)to);
+        p->kernel.interleave(b, (float *)(void *)to);
     } else if (p->out_type == LCOR_U8) {
-        p->kernel->interleave_bytes(b, (uint8_t *)to);
+        p->kernel.interleave_bytes(b, (uint8_t *)to);
     } else {
-        p->kernel->interleave(b, pixels);
-        p->kernel->narrow(p->out_type, 3, pixels, to);
+        p->kernel.interleave(b, pixels);
+        p->kernel.narrow(p->out_type, 3, pixels, to);
     }
 }
 

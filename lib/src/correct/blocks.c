@@ -28,7 +28,7 @@ static int read_maps(const lcor_row_job *job, size_t at, size_t m, lcor_block *b
         i = padded(i, m, short_i);
         rho = rho != NULL ? padded(rho, m, short_rho) : NULL;
     }
-    suspect = job->plan->kernel->maps(job->plan, i, rho, b);
+    suspect = job->plan->kernel.maps(job->plan, i, rho, b);
     for (size_t j = m; j < LCOR_BLOCK; j++) {
         b->v[j] = 0.0f;
         b->t[j] = 0.5f; /* neither below J1 nor above J2 */
@@ -46,23 +46,23 @@ static int light(const lcor_row_job *job, size_t at, size_t m, size_t *bad, lcor
     int suspect = 0;
 
     if (are_pixels && p->in_type == LCOR_F32)
-        return p->kernel->lightness(&p->k, (const float *)job->texels + 3 * at, b);
+        return p->kernel.lightness(&p->k, (const float *)job->texels + 3 * at, b);
     if (are_pixels && p->in_type == LCOR_U8) {
-        p->kernel->lightness_of_bytes(&p->k, (const uint8_t *)job->texels + 3 * at, b);
+        p->kernel.lightness_of_bytes(&p->k, (const uint8_t *)job->texels + 3 * at, b);
         return 0;
     }
     if (are_pixels) {
-        p->kernel->widen(LCOR_U16, 3, (const uint16_t *)job->texels + 3 * at, b->g[0]);
-        return p->kernel->lightness(&p->k, b->g[0], b);
+        p->kernel.widen(LCOR_U16, 3, (const uint16_t *)job->texels + 3 * at, b->g[0]);
+        return p->kernel.lightness(&p->k, b->g[0], b);
     }
     lcor_internal_load_texels(job, at, m, b);
     if (bad != NULL)
         *bad = lcor_internal_replace_bad(job, at, m, b->c, b);
     for (size_t k = 0; p->decode_by_power && k < 3; k++)
         suspect |= p->colour.transfer == LCOR_TRANSFER_SRGB
-                       ? p->kernel->from_srgb(&p->k.srgb, b->c[k])
-                       : p->kernel->power(&p->k.decode, b->c[k]);
-    return suspect | p->kernel->lightness_of_planes(&p->k, b);
+                       ? p->kernel.from_srgb(&p->k.srgb, b->c[k])
+                       : p->kernel.power(&p->k.decode, b->c[k]);
+    return suspect | p->kernel.lightness_of_planes(&p->k, b);
 }
 
 /* Y, Ynew and 1 - f of X, Y, Z, where f is there already. */
@@ -72,11 +72,11 @@ static int light_of_f(const lcor_row_job *job, size_t at, size_t m, size_t *bad,
     float LCOR_ALIGNED f[3][LCOR_BLOCK];
 
     if (m == LCOR_BLOCK && bad == NULL)
-        return p->kernel->lightness_of_f(&p->k, job->f + at, job->plane, b);
+        return p->kernel.lightness_of_f(&p->k, job->f + at, job->plane, b);
     lcor_internal_load_f(job, at, m, f);
     if (bad != NULL)
         *bad = lcor_internal_replace_bad(job, at, m, f, b);
-    return p->kernel->lightness_of_f(&p->k, f[0], LCOR_BLOCK, b);
+    return p->kernel.lightness_of_f(&p->k, f[0], LCOR_BLOCK, b);
 }
 
 /* Chroma and lightness of a block, up to linear RGB that is not yet clamped. */
@@ -90,15 +90,15 @@ static void compute(const lcor_row_job *job, size_t at, size_t m, lcor_block *b)
     if (read_maps(job, at, m, b) | lit(job, at, m, NULL, b))
         lit(job, at, m, &bad, b); /* rule S10 */
     if (job->stats != NULL) {
-        p->kernel->count(&p->k, b, job->stats);
+        p->kernel.count(&p->k, b, job->stats);
         if (p->k.w < 0.0f) /* T of what is bad or beyond the end: stands there as black */
             job->stats->clipped_low -= bad + (LCOR_BLOCK - m);
     }
     if (job->f == NULL)
-        p->kernel->g(b->c[0], b->g[0], 4);
+        p->kernel.g(b->c[0], b->g[0], 4);
     else
-        p->kernel->g(b->c[3], b->g[3], 1);
-    p->kernel->chroma(&p->k, b);
+        p->kernel.g(b->c[3], b->g[3], 1);
+    p->kernel.chroma(&p->k, b);
 }
 
 /* Pixels whose colour float leaves open: out of the gamut, or too near its faces to say. */
@@ -117,8 +117,8 @@ static void settle(const lcor_row_job *job, size_t at, lcor_block *b, open_pixel
 
     lcor_internal_correct_lanes(job, &open->lanes);
     for (size_t i = 0; job->stats != NULL && i < open->count; i++)
-        job->stats->out_of_gamut += (open->lanes.flags[i] & LCOR_PIXEL_OUTSIDE) != 0;
-    if (p->gamut == LCOR_GAMUT_KEEP_HUE) {
+        job->stats->out_of_gamut += open->lanes.outside[i] != 0.0;
+    if (p->settles) {
         for (size_t i = 0; i < open->count; i++)
             for (size_t k = 0; k < 3; k++) {
                 values[3 * i + k] = (float)open->lanes.c[k][i];
@@ -140,7 +140,7 @@ static void find_open(const lcor_row_job *job, size_t at, size_t m, lcor_block *
     uint8_t list[LCOR_BLOCK];
     size_t count = 0;
 
-    job->plan->kernel->find_outside(b, outside);
+    job->plan->kernel.find_outside(&job->plan->k, b, outside);
     for (size_t j = 0; j < m; j += 8) {
         uint64_t two[4];
 
@@ -152,9 +152,13 @@ static void find_open(const lcor_row_job *job, size_t at, size_t m, lcor_block *
             count += outside[i] != 0;
         }
     }
-    for (size_t i = 0; i < count; i++) {
-        open->at[open->count] = at + list[i];
-        lcor_internal_load_lane(job, at + list[i], &open->lanes, open->count++);
+    for (size_t i = 0, more; i < count; i += more) {
+        const size_t room = LCOR_LANES - open->count;
+
+        more = count - i < room ? count - i : room;
+        lcor_internal_load_lanes(job, at, list + i, more, &open->lanes, open->count);
+        for (size_t j = i; j < i + more; j++)
+            open->at[open->count++] = at + list[j];
         if (open->count == LCOR_LANES)
             settle(job, at, b, open);
     }
@@ -162,7 +166,7 @@ static void find_open(const lcor_row_job *job, size_t at, size_t m, lcor_block *
 
 void lcor_internal_correct_blocks(const lcor_row_job *job)
 {
-    const int are_exact = job->plan->gamut == LCOR_GAMUT_KEEP_HUE || job->stats != NULL;
+    const int are_exact = job->plan->settles || job->stats != NULL;
     open_pixels open;
     lcor_block b;
 

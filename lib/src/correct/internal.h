@@ -23,8 +23,9 @@ struct lcor_plan {
     size_t tone_size;
     const double *decode_table; /* linear values of 8-bit samples, where they are not a product */
     const float *decode_floats; /* the same */
-    const lcor_kernel *kernel;
+    lcor_kernel kernel;
     int in_double; /* the float path cannot do it: all goes through the reference */
+    int settles;   /* what float leaves open gets its colour from the reference */
     lcor_kernel_constants k;
     int decode_by_power; /* samples are neither linear nor in decode_table */
     int float_maps;      /* maps are float and need nothing but float arithmetic */

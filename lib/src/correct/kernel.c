@@ -47,28 +47,39 @@ typedef struct limits {
 #define INNER static TARGET LCOR_INLINE
 #define STAGE static TARGET LCOR_APART /* one copy: the code stays small */
 
-/* The table of one set; `few` is the set whose narrow_template.h and lanes_template.h it takes. */
-#define KERNEL(set, few)                                                                           \
-    static const lcor_kernel kernel_##set = {#set,                                                 \
-                                             maps_##few,                                           \
-                                             power_##few,                                          \
-                                             from_srgb_##few,                                      \
-                                             to_srgb_##few,                                        \
-                                             lightness_##set,                                      \
-                                             lightness_of_planes_##few,                            \
-                                             lightness_of_bytes_##few,                             \
-                                             lightness_of_f_##few,                                 \
-                                             count_##few,                                          \
-                                             g_##set,                                              \
-                                             chroma_##set,                                         \
-                                             find_outside_##few,                                   \
-                                             clamp_planes_##few,                                   \
-                                             interleave_##few,                                     \
-                                             interleave_bytes_##few,                               \
-                                             widen_##few,                                          \
-                                             narrow_##few,                                         \
-                                             lanes_to_f_##few,                                     \
-                                             lanes_to_rgb_##few};
+/* WIDE: the loops of kernel_template.h of a set. NARROW: those of the other templates, which
+ * AVX-512 takes from AVX2. Assigned by code, as each address in a table costs 32 bytes in a shared
+ * library.
+ */
+#define WIDE(set)                                                                                  \
+    static LCOR_COLD void wide_##set(lcor_kernel *k)                                               \
+    {                                                                                              \
+        k->name = #set;                                                                            \
+        k->lightness = lightness_##set;                                                            \
+        k->g = g_##set;                                                                            \
+        k->chroma = chroma_##set;                                                                  \
+    }
+
+#define NARROW(set)                                                                                \
+    static LCOR_COLD void narrow_all_##set(lcor_kernel *k)                                         \
+    {                                                                                              \
+        k->maps = maps_##set;                                                                      \
+        k->power = power_##set;                                                                    \
+        k->from_srgb = from_srgb_##set;                                                            \
+        k->to_srgb = to_srgb_##set;                                                                \
+        k->lightness_of_planes = lightness_of_planes_##set;                                        \
+        k->lightness_of_bytes = lightness_of_bytes_##set;                                          \
+        k->lightness_of_f = lightness_of_f_##set;                                                  \
+        k->count = count_##set;                                                                    \
+        k->find_outside = find_outside_##set;                                                      \
+        k->clamp_planes = clamp_planes_##set;                                                      \
+        k->interleave = interleave_##set;                                                          \
+        k->interleave_bytes = interleave_bytes_##set;                                              \
+        k->widen = widen_##set;                                                                    \
+        k->narrow = narrow_##set;                                                                  \
+        k->lanes_to_f = lanes_to_f_##set;                                                          \
+        k->lanes_to_rgb = lanes_to_rgb_##set;                                                      \
+    }
 
 /* What every processor of the architecture has: SSE2 on x86-64, NEON on aarch64, or plain C. */
 #define ISA(name) name##_base
@@ -82,7 +93,8 @@ typedef struct limits {
 #include "correct/kernel_template.h"
 #include "correct/lanes_template.h"
 #include "correct/narrow_template.h"
-KERNEL(base, base)
+WIDE(base)
+NARROW(base)
 #undef ISA
 #undef G_BLACK
 #undef TARGET
@@ -97,7 +109,8 @@ KERNEL(base, base)
 #include "correct/kernel_template.h"
 #include "correct/lanes_template.h"
 #include "correct/narrow_template.h"
-KERNEL(avx2, avx2)
+WIDE(avx2)
+NARROW(avx2)
 #undef ISA
 #undef G_BLACK
 #undef TARGET
@@ -110,7 +123,7 @@ KERNEL(avx2, avx2)
 #endif
 #include "correct/kernel_arithmetic.h"
 #include "correct/kernel_template.h"
-KERNEL(avx512, avx2)
+WIDE(avx512)
 #undef ISA
 #undef G_BLACK
 #undef TARGET
@@ -118,19 +131,22 @@ KERNEL(avx512, avx2)
 #undef POOR
 #endif
 
-const lcor_kernel *lcor_internal_kernel(size_t index)
+LCOR_COLD int lcor_internal_kernel(size_t index, lcor_kernel *kernel)
 {
-    const lcor_kernel *found[3];
-    size_t count = 0;
-
 #ifdef LCOR_HAVE_X86
     const lcor_cpu cpu = lcor_internal_cpu();
 
-    if (cpu.avx512)
-        found[count++] = &kernel_avx512;
-    if (cpu.avx2)
-        found[count++] = &kernel_avx2;
+    narrow_all_avx2(kernel);
+    if (cpu.avx512 && index-- == 0) {
+        wide_avx512(kernel);
+        return 1;
+    }
+    if (cpu.avx2 && index-- == 0) {
+        wide_avx2(kernel);
+        return 1;
+    }
 #endif
-    found[count++] = &kernel_base;
-    return index < count ? found[index] : NULL;
+    narrow_all_base(kernel);
+    wide_base(kernel);
+    return index == 0;
 }

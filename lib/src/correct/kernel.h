@@ -45,6 +45,7 @@ typedef struct lcor_kernel_constants {
     float slope_texel;
     float ratio;               /* of section 5.2 */
     float over_rho;            /* ratio over the plan's rho */
+    float dark;                /* channels below this share of Ynew are not left to float */
     lcor_srgb srgb;            /* the transfer function ... */
     lcor_power decode, encode; /* ... or gamma */
 } lcor_kernel_constants;
@@ -89,10 +90,10 @@ typedef struct lcor_kernel {
     void (*count)(const lcor_kernel_constants *k, const lcor_block *b, lcor_row_stats *stats);
     void (*g)(const float *t, float *g, size_t planes); /* 1 - f, of eqs 2-4 */
     void (*chroma)(const lcor_kernel_constants *k, lcor_block *b);
-    void (*find_outside)(const lcor_block *b, int32_t *outside); /* not 0 for those */
-    void (*clamp_planes)(float *c);                              /* three, to 0..1 */
-    void (*interleave)(lcor_block *b, float *to);                /* clamped, too */
-    void (*interleave_bytes)(const lcor_block *b, uint8_t *to);  /* and as codes */
+    void (*find_outside)(const lcor_kernel_constants *k, const lcor_block *b, int32_t *outside);
+    void (*clamp_planes)(float *c);                             /* three, to 0..1 */
+    void (*interleave)(lcor_block *b, float *to);               /* clamped, too */
+    void (*interleave_bytes)(const lcor_block *b, uint8_t *to); /* and as codes */
     /* u8 or u16 to floats, and back from 0..1 */
     void (*widen)(lcor_sample type, size_t blocks, const void *from, float *to);
     void (*narrow)(lcor_sample type, size_t blocks, const float *from, void *to);
@@ -101,9 +102,9 @@ typedef struct lcor_kernel {
     void (*lanes_to_rgb)(const lcor_plan *plan, lcor_lanes *lanes);
 } lcor_kernel;
 
-/* Kernels of this build, best first, that the machine can run: index 0, 1...; NULL after the last.
- */
-const lcor_kernel *lcor_internal_kernel(size_t index);
+/* Kernels of this build, best first, that the machine can run: index 0, 1... Returns 0 after the
+ * last one. */
+int lcor_internal_kernel(size_t index, lcor_kernel *kernel);
 
 /* Any row of a plan that has a kernel. */
 void lcor_internal_correct_blocks(const lcor_row_job *job);

@@ -38,25 +38,28 @@ INNER uint32_t ISA(light)(const lcor_kernel_constants *k, float zero, float one,
     return ISA(doubt_of_three)(r, g, bl);
 }
 
+#if POOR
+STAGE int ISA(lightness_of_planes)(const lcor_kernel_constants *k, lcor_block *restrict b);
+#endif
+
 STAGE int ISA(lightness)(const lcor_kernel_constants *k, const float *restrict rgb,
                          lcor_block *restrict b)
 {
-    const lcor_kernel_constants q = *k;
-    const float zero = ISA(limits).zero, one = ISA(limits).one;
-    uint32_t worst = 0;
-
 #if POOR
     EACH (j, LCOR_BLOCK)
         for (size_t i = 0; i < 3; i++)
             b->c[i][j] = rgb[3 * j + i];
-#define PIXEL b->c[0][j], b->c[1][j], b->c[2][j]
+    return ISA(lightness_of_planes)(k, b);
 #else
-#define PIXEL rgb[3 * j], rgb[3 * j + 1], rgb[3 * j + 2]
-#endif
+    const lcor_kernel_constants q = *k;
+    const float zero = ISA(limits).zero, one = ISA(limits).one;
+    uint32_t worst = 0;
+
     EACH (j, LCOR_BLOCK)
-        worst = ISA(larger)(worst, ISA(light)(&q, zero, one, PIXEL, j, b));
-#undef PIXEL
+        worst = ISA(larger)(
+            worst, ISA(light)(&q, zero, one, rgb[3 * j], rgb[3 * j + 1], rgb[3 * j + 2], j, b));
     return ISA(is_suspect)(worst);
+#endif
 }
 
 /* 1 - f of eqs 2-4 over planes. Two loops, since a processor looks ahead over so many instructions

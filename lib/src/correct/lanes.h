@@ -13,17 +13,21 @@
 
 /* Pixels side by side. Zeros are black ones and do no harm. */
 struct lcor_lanes {
-    double c[3][LCOR_LANES]; /* linear RGB or f of the texel; at the end RGB in 0..1 */
+    double c[3][LCOR_LANES]; /* samples or f of the texel; at the end RGB in 0..1 */
     double illuminance[LCOR_LANES], rho[LCOR_LANES];
+    double good[LCOR_LANES];    /* 0: the pixel is bad (rule S10), and goes on as black */
     double y[LCOR_LANES];       /* Y of the texel over white's */
+    double t[LCOR_LANES];       /* T, not clamped */
     double y_new[LCOR_LANES];   /* Ynew, 0..1 */
     double k[LCOR_LANES];       /* of eq 16, where the lightness is the paper's */
-    double good[LCOR_LANES];    /* 0: the texel is bad (rule S10), and goes on as black */
-    unsigned flags[LCOR_LANES]; /* bits of LCOR_PIXEL_ */
+    double outside[LCOR_LANES]; /* not 0: RGB left 0..1 before the gamut rule */
 };
 
-/* Pixel i of a row into a lane, and the correction of all lanes: out come c and flags. */
-void lcor_internal_load_lane(const lcor_row_job *job, size_t i, lcor_lanes *lanes, size_t lane);
+/* Pixels at + list[0], at + list[1]... of a row into the lanes from `first` on. */
+void lcor_internal_load_lanes(const lcor_row_job *job, size_t at, const uint8_t *list, size_t count,
+                              lcor_lanes *lanes, size_t first);
+/* f and Y of loaded texels; the correction of all lanes. */
+void lcor_internal_lanes_to_f(const lcor_plan *plan, lcor_lanes *lanes);
 void lcor_internal_correct_lanes(const lcor_row_job *job, lcor_lanes *lanes);
 
 /* k of eq 16 from f: both its branches are (h - fn) / (h - fy). A black texel has no chroma. */

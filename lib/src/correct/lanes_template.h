@@ -138,7 +138,7 @@ STAGE void ISA(enter)(const lcor_lanes *restrict l, ISA(chromas) *restrict w)
     }
 }
 
-/* The new colours as RGB by the plan's gamut rule, still to be clamped. Flags what left the gamut.
+/* The new colours as RGB by the plan's gamut rule, still to be clamped, and which left the gamut.
  */
 STAGE void ISA(lanes_to_rgb)(const lcor_plan *p, lcor_lanes *restrict l)
 {
@@ -147,8 +147,7 @@ STAGE void ISA(lanes_to_rgb)(const lcor_plan *p, lcor_lanes *restrict l)
 
     ISA(new_chromas)(p, l, &w);
     any = ISA(to_rgb)(p->rgb_from_f, l, &w);
-    for (int j = 0; any && j < LCOR_LANES; j++)
-        l->flags[j] |= w.step[j] != 0.0 ? LCOR_PIXEL_OUTSIDE : 0u;
+    memcpy(l->outside, w.step, sizeof l->outside);
     if (p->gamut == LCOR_GAMUT_KEEP_HUE)
         for (int faces = 0; faces < 6 && any; faces++) { /* rule S9, face after face */
             ISA(enter)(l, &w);

@@ -61,24 +61,6 @@ STAGE void ISA(bytes_to_words)(const uint8_t *restrict rgb, uint32_t *restrict w
     memcpy(&words[last], rgb + 3 * last, 3);
 }
 
-/* lightness of codes, which cannot be bad. */
-STAGE void ISA(lightness_of_bytes)(const lcor_kernel_constants *k, const uint8_t *restrict rgb,
-                                   lcor_block *restrict b)
-{
-    const lcor_kernel_constants q = *k;
-    const float zero = ISA(limits).zero, one = ISA(limits).one;
-    uint32_t LCOR_ALIGNED words[LCOR_BLOCK];
-
-    ISA(bytes_to_words)(rgb, words);
-    EACH (j, LCOR_BLOCK) {
-        float c[3];
-
-        for (int i = 0; i < 3; i++)
-            c[i] = (float)(int32_t)(words[j] >> ISA(shift_of_byte)(i) & 255);
-        ISA(light)(&q, zero, one, c[0], c[1], c[2], j, b);
-    }
-}
-
 /* lightness of RGB that lies in the planes b->c. */
 STAGE int ISA(lightness_of_planes)(const lcor_kernel_constants *k, lcor_block *restrict b)
 {
@@ -90,6 +72,19 @@ STAGE int ISA(lightness_of_planes)(const lcor_kernel_constants *k, lcor_block *r
         worst =
             ISA(larger)(worst, ISA(light)(&q, zero, one, b->c[0][j], b->c[1][j], b->c[2][j], j, b));
     return ISA(is_suspect)(worst);
+}
+
+/* lightness of codes, which cannot be bad. */
+STAGE void ISA(lightness_of_bytes)(const lcor_kernel_constants *k, const uint8_t *restrict rgb,
+                                   lcor_block *restrict b)
+{
+    uint32_t LCOR_ALIGNED words[LCOR_BLOCK];
+
+    ISA(bytes_to_words)(rgb, words);
+    EACH (j, LCOR_BLOCK)
+        for (int i = 0; i < 3; i++)
+            b->c[i][j] = (float)(int32_t)(words[j] >> ISA(shift_of_byte)(i) & 255);
+    ISA(lightness_of_planes)(k, b);
 }
 
 STAGE void ISA(widen)(lcor_sample type, size_t blocks, const void *restrict from,
@@ -148,12 +143,15 @@ STAGE void ISA(count)(const lcor_kernel_constants *k, const lcor_block *restrict
     stats->clipped_high += high;
 }
 
-/* Marks the pixels that left 0..1 or are so near its faces that float cannot tell. Near black and
- * white everything is small, and they themselves are inside. */
-STAGE void ISA(find_outside)(const lcor_block *restrict b, int32_t *restrict outside)
+/* Marks the pixels that left 0..1 or are so near its faces that float cannot tell, or not
+ * accurately enough. Near black and white everything is small, and they themselves are inside. */
+STAGE void ISA(find_outside)(const lcor_kernel_constants *k, const lcor_block *restrict b,
+                             int32_t *restrict outside)
 {
+    const float dark = k->dark;
+
     EACH (j, LCOR_BLOCK) {
-        const float y = b->c[3][j], low = y * 4e-6f, high = 1.0f - (1.0f - y) * 4e-6f;
+        const float y = b->c[3][j], low = y * dark, high = 1.0f - (1.0f - y) * 4e-6f;
         const float r = b->c[0][j], g = b->c[1][j], bl = b->c[2][j];
 
         outside[j] = (ISA(bits)(r - low) | ISA(bits)(g - low) | ISA(bits)(bl - low) |

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The reference in double: what of it is one pixel at a time. */
 #include "correct/lanes.h"
+#include "correct/sample.h"
 
 #include "base/elementary.h"
+#include "base/internal.h"
 #include "colour/internal.h"
 
 #include <float.h>
@@ -14,7 +16,7 @@ double lcor_internal_display(double q, double exponent, double gain)
     return 0.5 + (lcor_internal_pow(q, exponent) - 1.0) * gain;
 }
 
-double lcor_internal_chroma_factor(double y, double y_new)
+LCOR_COLD double lcor_internal_chroma_factor(double y, double y_new)
 {
     double f[2] = {y, y_new};
 
@@ -28,8 +30,31 @@ static double clamped(double x, double top) { return x > 0.0 ? (x < top ? x : to
 
 static int valid(double x) { return x >= 0.0 && x <= DBL_MAX; }
 
-/* Y of a texel that is f already. */
-static void check_f(lcor_lightness lightness, lcor_lanes *l, size_t j)
+/* Samples to linear values. */
+static void to_linear(const lcor_plan *p, double *c)
+{
+    enum { N = 3 * LCOR_LANES };
+    const double unit = lcor_internal_unit(p->in_type);
+
+    for (int j = 0; j < N; j++)
+        c[j] /= unit;
+    if (p->colour.transfer == LCOR_TRANSFER_SRGB)
+        for (int j = 0; j < N; j++)
+            c[j] = lcor_internal_from_srgb(c[j]);
+    else if (p->colour.transfer != LCOR_TRANSFER_LINEAR)
+        for (int j = 0; j < N; j++)
+            c[j] = lcor_transfer_to_linear(&p->colour, c[j]);
+}
+
+void lcor_internal_lanes_to_f(const lcor_plan *p, lcor_lanes *l)
+{
+    if (p->decode_table == NULL) /* load_lanes did not look them up */
+        to_linear(p, l->c[0]);
+    p->kernel.lanes_to_f(p, l);
+}
+
+/* A texel that is f already. */
+static LCOR_COLD void check_f(lcor_lightness lightness, lcor_lanes *l, size_t j)
 {
     l->good[j] = 1.0;
     for (int i = 0; i < 3; i++)
@@ -38,7 +63,7 @@ static void check_f(lcor_lightness lightness, lcor_lanes *l, size_t j)
     l->y[j] = clamped(lcor_internal_f_inverse(lightness, l->c[1][j]), DBL_MAX);
 }
 
-/* Ynew, and whether the device can show it. */
+/* T of eq 12, and Ynew. */
 static void set_luminance(const lcor_plan *p, lcor_lanes *l, size_t j)
 {
     const double rho = l->rho[j], y_real = l->y[j] * p->rho_ratio; /* section 5.2 */
@@ -46,7 +71,7 @@ static void set_luminance(const lcor_plan *p, lcor_lanes *l, size_t j)
         l->illuminance[j] * (p->reading == LCOR_READING_TEXEL ? y_real : rho); /* 3.1 */
     double t = lcor_internal_display(p->r_mean > 0.0 ? r / p->r_mean : 0.0, p->exponent, p->gain);
 
-    l->flags[j] = (t < 0.0 ? LCOR_PIXEL_LOW : 0u) | (t > 1.0 ? LCOR_PIXEL_HIGH : 0u);
+    l->t[j] = t;
     t = clamped(t, DBL_MAX); /* rules S1, S4 */
     if (p->reading == LCOR_READING_PATCH && t > 0.0)
         t *= rho > 0.0 ? y_real / rho : 1.0; /* eq 11; rule S2 */
@@ -60,16 +85,17 @@ void lcor_internal_correct_lanes(const lcor_row_job *job, lcor_lanes *l)
     const lcor_plan *p = job->plan;
 
     if (job->texels != NULL)
-        p->kernel->lanes_to_f(p, l);
+        lcor_internal_lanes_to_f(p, l);
     for (size_t j = 0; j < LCOR_LANES; j++) {
         if (job->texels == NULL)
             check_f(p->colour.lightness, l, j);
-        l->y_new[j] = l->k[j] = 0.0;
-        l->flags[j] = LCOR_PIXEL_BAD;
-        if (l->good[j] != 0.0 && valid(l->illuminance[j]) && valid(l->rho[j]))
+        if (!valid(l->illuminance[j]) || !valid(l->rho[j]))
+            l->good[j] = 0.0;
+        l->t[j] = l->y_new[j] = l->k[j] = 0.0;
+        if (l->good[j] != 0.0)
             set_luminance(p, l, j);
     }
-    p->kernel->lanes_to_rgb(p, l);
+    p->kernel.lanes_to_rgb(p, l);
     for (int i = 0; i < 3; i++)
         for (size_t j = 0; j < LCOR_LANES; j++) { /* black and white stay, whatever the rounding */
             const double y = l->y_new[j];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "correct/internal.h"
+#include "correct/sample.h"
 
 #include "base/internal.h"
 
@@ -92,6 +93,7 @@ static LCOR_COLD void digest(lcor_plan *p, const lcor_plan_options *o)
     p->in_type = o->in_type;
     p->out_type = o->out_type;
     p->map_type = o->map_type;
+    p->tone_size = o->tone_size;
 }
 
 static int is_moderate(double x) { return x == 0.0 || (x > 1e-25 && x < 1e25); }
@@ -110,6 +112,21 @@ static LCOR_COLD void set_transfer(const lcor_colour *c, double unit, lcor_kerne
     k->encode = (lcor_power){.top = 1.0f, .scale = 1.0f, .exponent = (float)(1.0 / c->gamma)};
 }
 
+/* sRGB and gamma are so steep near black that errors of light show there, the more the larger the
+ * factors that light is multiplied with: as a share of Ynew, below what a channel has to be exact.
+ */
+static LCOR_COLD float steep_below(const lcor_kernel_constants *k)
+{
+    float largest = 0.0f;
+
+    for (int i = 0; i < 3; i++) {
+        const float sum = fabsf(k->n[i][0]) + fabsf(k->n[i][1]);
+
+        largest = sum > largest ? sum : largest;
+    }
+    return 0.008f * largest * largest;
+}
+
 /* Constants of the float path; in_double stays where that path would lose accuracy. */
 static LCOR_COLD void prepare_kernel(lcor_plan *p)
 {
@@ -117,9 +134,9 @@ static LCOR_COLD void prepare_kernel(lcor_plan *p)
     const double slope = p->r_mean > 0.0 ? p->gain / p->r_mean : 0.0;
     const int steep = p->gain > 16.0; /* float T would be off by 1e-6 and more */
     const int linear = p->colour.transfer == LCOR_TRANSFER_LINEAR;
-    const double unit = p->in_type == LCOR_U8 ? 255.0 : p->in_type == LCOR_U16 ? 65535.0 : 1.0;
+    const double unit = lcor_internal_unit(p->in_type);
 
-    p->kernel = lcor_internal_kernel(0);
+    lcor_internal_kernel(0, &p->kernel);
     p->in_double = 1;
     if (p->colour.lightness != LCOR_LIGHTNESS_CIE || p->in_type == LCOR_F64 ||
         p->out_type == LCOR_F64 || p->colour.gamma < 0.1 || p->colour.gamma > 10.0 ||
@@ -134,6 +151,12 @@ static LCOR_COLD void prepare_kernel(lcor_plan *p)
     for (size_t i = 0; i < 3; i++) {
         k->n[i][0] = (float)p->rgb_from_f[3 * i];
         k->n[i][1] = (float)p->rgb_from_f[3 * i + 2];
+    }
+    p->settles = p->gamut == LCOR_GAMUT_KEEP_HUE;
+    k->dark = 4e-6f;
+    if (!linear && p->out_type == LCOR_F32 && p->tone_size == 0) {
+        p->settles = 1;
+        k->dark = steep_below(k);
     }
     k->offset = (float)(0.5 - p->gain);
     k->w = p->reading == LCOR_READING_TEXEL ? k->offset : 0.0f;
@@ -200,10 +223,8 @@ LCOR_COLD lcor_status lcor_plan_new(const lcor_plan_options *options, lcor_plan 
     }
     p.decode_table = codes != 0 ? linear : NULL;
     p.decode_floats = floats;
-    if (o.tone_size != 0) {
+    if (o.tone_size != 0)
         p.tone = memcpy(floats + codes, o.tone_curve, o.tone_size * sizeof *o.tone_curve);
-        p.tone_size = o.tone_size;
-    }
     *plan = p;
     *out = plan;
     return LCOR_OK;

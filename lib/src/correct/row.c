@@ -24,17 +24,17 @@ static double encode(const lcor_plan *p, double linear)
 
 static void load_linear(const lcor_plan *p, const void *texels, size_t i, double rgb[3])
 {
-    for (size_t c = 0; c < 3; c++) {
-        const size_t at = i * p->in.pixel_step + c * p->in.channel_step;
+    const size_t at = i * p->in.pixel_step, step = p->in.channel_step;
 
-        if (p->decode_table != NULL) {
-            rgb[c] = p->decode_table[((const uint8_t *)texels)[at]];
-            continue;
-        }
-        rgb[c] = lcor_internal_load_sample(texels, p->in_type, at);
-        if (p->colour.transfer != LCOR_TRANSFER_LINEAR)
-            rgb[c] = lcor_transfer_to_linear(&p->colour, rgb[c]);
+    if (p->decode_table != NULL) {
+        for (size_t c = 0; c < 3; c++)
+            rgb[c] = p->decode_table[((const uint8_t *)texels)[at + c * step]];
+        return;
     }
+    for (size_t c = 0; c < 3; c++)
+        rgb[c] = lcor_internal_load_sample(texels, p->in_type, at + c * step);
+    for (size_t c = 0; p->colour.transfer != LCOR_TRANSFER_LINEAR && c < 3; c++)
+        rgb[c] = lcor_transfer_to_linear(&p->colour, rgb[c]);
 }
 
 static void store_encoded(const lcor_plan *p, void *out, size_t i, const double rgb[3])
@@ -80,27 +80,63 @@ void lcor_plan_reflectance_row(const lcor_plan *plan, size_t n, const void *texe
     }
 }
 
-static void load_texel(const lcor_plan *p, const void *texels, size_t i, lcor_lanes *lanes,
-                       size_t lane)
-{
-    double rgb[3];
+#define GATHER(type)                                                                               \
+    for (size_t i = 0; i < count; i++)                                                             \
+        to[i] = (double)((const type *)from)[(at + list[i]) * step];
 
-    load_linear(p, texels, i, rgb);
-    for (int k = 0; k < 3; k++)
-        lanes->c[k][lane] = rgb[k];
+static LCOR_APART void gather(lcor_sample type, const void *from, size_t at, size_t step,
+                              const uint8_t *list, size_t count, double *to)
+{
+    switch (type) {
+    case LCOR_F32: GATHER(float) break;
+    case LCOR_F64: GATHER(double) break;
+    case LCOR_U8: GATHER(uint8_t) break;
+    case LCOR_U16: GATHER(uint16_t) break;
+    }
 }
 
-void lcor_internal_load_lane(const lcor_row_job *job, size_t i, lcor_lanes *lanes, size_t lane)
+static LCOR_APART void gather_texels(const lcor_plan *p, const void *texels, size_t at,
+                                     const uint8_t *list, size_t count, lcor_lanes *lanes,
+                                     size_t first)
+{
+    const size_t size = lcor_internal_sample_size(p->in_type);
+
+    for (size_t k = 0; k < 3; k++) {
+        double *to = lanes->c[k] + first;
+
+        gather(p->in_type, (const char *)texels + k * p->in.channel_step * size, at,
+               p->in.pixel_step, list, count, to);
+        for (size_t i = 0; p->decode_table != NULL && i < count; i++)
+            to[i] = p->decode_table[(size_t)to[i]];
+    }
+}
+
+void lcor_internal_load_lanes(const lcor_row_job *job, size_t at, const uint8_t *list, size_t count,
+                              lcor_lanes *lanes, size_t first)
 {
     const lcor_plan *p = job->plan;
 
     if (job->texels != NULL)
-        load_texel(p, job->texels, i, lanes, lane);
+        gather_texels(p, job->texels, at, list, count, lanes, first);
     else
         for (size_t k = 0; k < 3; k++)
-            lanes->c[k][lane] = (double)job->f[k * job->plane + i];
-    lanes->illuminance[lane] = map_at(p, job->illuminance, i, 0.0);
-    lanes->rho[lane] = map_at(p, job->rho, i, p->rho);
+            gather(LCOR_F32, job->f + k * job->plane, at, 1, list, count, lanes->c[k] + first);
+    gather(p->map_type, job->illuminance, at, 1, list, count, lanes->illuminance + first);
+    if (job->rho != NULL)
+        gather(p->map_type, job->rho, at, 1, list, count, lanes->rho + first);
+    else
+        for (size_t i = first; i < first + count; i++)
+            lanes->rho[i] = p->rho;
+}
+
+static const uint8_t in_order[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+
+static unsigned flags_of(const lcor_lanes *l, size_t j)
+{
+    if (l->good[j] == 0.0)
+        return LCOR_PIXEL_BAD;
+    return (l->t[j] < 0.0 ? LCOR_PIXEL_LOW : 0u) | (l->t[j] > 1.0 ? LCOR_PIXEL_HIGH : 0u) |
+           (l->outside[j] != 0.0 ? LCOR_PIXEL_OUTSIDE : 0u);
 }
 
 /* Any row through the reference. */
@@ -112,15 +148,14 @@ static void correct_row_in_double(const lcor_row_job *job)
     for (size_t at = 0; at < job->n; at += LCOR_LANES) {
         const size_t m = job->n - at < LCOR_LANES ? job->n - at : LCOR_LANES;
 
-        for (size_t j = 0; j < m; j++)
-            lcor_internal_load_lane(job, at + j, &lanes, j);
+        lcor_internal_load_lanes(job, at, in_order, m, &lanes, 0);
         lcor_internal_correct_lanes(job, &lanes);
         for (size_t j = 0; j < m; j++) {
             const double rgb[3] = {lanes.c[0][j], lanes.c[1][j], lanes.c[2][j]};
 
             store_encoded(job->plan, job->out, at + j, rgb);
-            if (job->stats != NULL && lanes.flags[j] != 0)
-                count(job->stats, job->row, at + j, lanes.flags[j]);
+            if (job->stats != NULL)
+                count(job->stats, job->row, at + j, flags_of(&lanes, j));
         }
     }
     if (job->stats != NULL)
@@ -161,9 +196,8 @@ LCOR_COLD void lcor_plan_texture_row(const lcor_plan *plan, size_t n, const void
     for (size_t at = 0; at < n; at += LCOR_LANES) {
         const size_t m = n - at < LCOR_LANES ? n - at : LCOR_LANES;
 
-        for (size_t j = 0; j < m; j++)
-            load_texel(plan, texels, at + j, &lanes, j);
-        plan->kernel->lanes_to_f(plan, &lanes);
+        gather_texels(plan, texels, at, in_order, m, &lanes, 0);
+        lcor_internal_lanes_to_f(plan, &lanes);
         for (size_t k = 0; k < 3; k++)
             for (size_t j = 0; j < m; j++)
                 f[k * plane + at + j] = lanes.good[j] != 0.0 ? (float)lanes.c[k][j] : NAN;

@@ -16,6 +16,12 @@ static inline double lcor_internal_load_sample(const void *base, lcor_sample typ
     return 0.0;
 }
 
+/* What stands for 1. */
+static inline double lcor_internal_unit(lcor_sample type)
+{
+    return type == LCOR_U8 ? 255.0 : type == LCOR_U16 ? 65535.0 : 1.0;
+}
+
 /* v in 0..1 */
 static inline void lcor_internal_store_sample(void *base, lcor_sample type, size_t i, double v)
 {
