@@ -113,14 +113,6 @@ static void offer(choice *c, const lcor_light *light, double value, double power
     }
 }
 
-static double power_of(const light_set *set, const lcor_light *light, double value)
-{
-    double rgb[3] = {0, 0, 0};
-
-    add_light(set, light, value, rgb);
-    return rgb[0] + rgb[1] + rgb[2];
-}
-
 void light_by_chance(const light_set *set, const double x[3], const double normal[3], uint32_t skip,
                      int strongest, double random, double *out)
 {
@@ -139,7 +131,7 @@ void light_by_chance(const light_set *set, const double x[3], const double norma
             add_light(set, light, value, out);
             continue;
         }
-        now.power = power_of(set, light, value);
+        now.power = value * set->power[i];
         if (strongest && now.power > most.power) {
             const choice weaker = most;
 

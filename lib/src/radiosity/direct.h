@@ -22,6 +22,7 @@ typedef struct light_set {
     int channels;
     double luminance[3]; /* weights of the channels where there is one */
     unsigned char *open; /* per light: nothing in the scene stands in its way */
+    double *power;       /* per light: sum of its intensity in the channels */
 } light_set;
 
 /* `rgb` in channel c of 1 or 3. */

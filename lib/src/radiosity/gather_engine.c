@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ROUNDS_MAX = 8, PASSES_MAX = 5, SLICE = 128, SAMPLE = 64, PATCHES = 48 };
+enum { ROUNDS_MAX = 8, PASSES_MAX = 5, SLICE = 128, SAMPLE = 64, PATCHES = 64 };
 
 /* Leaves wanted, and rays of one on average, at a tolerance of 1 %. */
 static const double leaves_wanted = 400, rays_wanted = 100, rays_most = 4096;
@@ -20,13 +20,15 @@ static const double samples_most = 1 << 18, samples_least = 128;
 /* An answer's part of the tolerance at first, where effort is shared and where not, and what is
  * aimed at in the end. */
 static const double stop_shared = 1.7, stop_alone = 0.85, aim = 0.75;
+/* The laxest stop of an answer in the end, of the tolerance. */
+static const double stop_most = 0.9;
 /* What `stop` alone can improve noise by, without looking again. */
 static const double reach = 0.5;
 /* Answers are not pursued further than this, and when a limit is met, than that. */
 static const double stop_least = 5e-4, stop_hurried = 0.01;
-/* Noise goes with this power of `stop` where effort is shared: n samples err by n^-3/4 or so, and
- * as many are taken as err by stop sqrt(n). */
-static const double shared_power = 0.55;
+/* Noise goes with this power of `stop` where effort is shared: as many samples are taken as err by
+ * stop sqrt(n), and n of them err by n^-1/2, or less. */
+static const double shared_power = 0.5;
 /* What all answers may err alike by the field they share: this part of the tolerance, and not more
  * than so much; and what of that is aimed at, since it is estimated. */
 static const double bias_share = 0.2, bias_most = 0.002, bias_aim = 0.8;
@@ -225,14 +227,27 @@ static double noise_wanted(double field, double rms)
     return sqrt(fmax(rms * rms - field * field, 0.25 * rms * rms));
 }
 
-/* Changes `stop` so that *noise becomes `wanted`, or comes as near as one step may go. */
-static void steer(const gather *g, double wanted, double *stop, double *noise)
+/* Lowers `stop` so that *noise becomes `wanted`, or comes as near as one step may go. */
+static void tighten(const gather *g, double wanted, double *stop, double *noise)
 {
-    const double ratio = fmin(fmax(wanted / fmax(*noise, 1e-9), 0.3), 1.25), before = *stop;
+    const double ratio = fmin(fmax(wanted / fmax(*noise, 1e-9), 0.3), 1), before = *stop;
     const double power = g->effort.share ? shared_power : 1;
 
     *stop = fmax(stop_least, before * pow(ratio, 1 / power));
     *noise *= pow(*stop / before, power);
+}
+
+/* Whether answers may take what they need: where limits hold, `stop` promises nothing. */
+static int is_free(const gather *g) { return !g->hurry && g->effort.samples >= samples_most; }
+
+/* Answers are made as accurate as asked for by one step, and no answer's own `stop` is laxer than
+ * the request: most are then better, where that takes little. */
+static void settle_stop(const gather *g, double wanted, double *stop, double *noise)
+{
+    const double most = stop_most * g->solution->options.tolerance;
+
+    if (is_free(g))
+        tighten(g, fmin(wanted, *noise * pow(fmin(most / *stop, 1), shared_power)), stop, noise);
 }
 
 static int is_coarse(const gather_errors *e, double rms) { return e->field > 0.6 * rms; }
@@ -253,8 +268,7 @@ static int strive(gather *g, const gather_errors *e)
     } else if (bias > 1) {
         g->effort.rays *= fmin(bias * bias, 4);
     }
-    if (noise > noise_wanted(field, rms))
-        steer(g, noise_wanted(field, rms), &g->effort.stop, &noise);
+    tighten(g, noise_wanted(field, rms), &g->effort.stop, &noise);
     return coarse || bias > 1;
 }
 
@@ -263,8 +277,8 @@ static int is_near(const gather *g, const gather_errors *e)
 {
     const double rms = rms_wanted(g->solution, e);
 
-    return !g->hurry && g->effort.samples >= samples_most && !is_coarse(e, rms) &&
-           e->bias <= bias_allowed(g->solution) && reach * e->noise <= noise_wanted(e->field, rms);
+    return is_free(g) && !is_coarse(e, rms) && e->bias <= bias_allowed(g->solution) &&
+           reach * e->noise <= noise_wanted(e->field, rms);
 }
 
 /* Answers are made as accurate as asked for, and no more; averages over patches, whose rays differ
@@ -272,16 +286,14 @@ static int is_near(const gather *g, const gather_errors *e)
 static int settle(gather *g, gather_errors *e)
 {
     const double wanted = noise_wanted(e->field, rms_wanted(g->solution, e));
+    const double asked = g->effort.stop;
     double noise;
 
-    /* half way to more: it may be small by the sample's luck */
-    steer(g, e->noise < wanted ? sqrt(wanted * e->noise) : wanted, &g->effort.stop, &e->noise);
-    g->effort.patch_stop = g->effort.stop;
+    settle_stop(g, wanted, &g->effort.stop, &e->noise);
+    g->effort.patch_stop = fmin(asked, 2 * g->effort.stop);
     if (!gather_patch_noise(g, PATCHES, &noise))
         return 0;
-    steer(g, wanted, &g->effort.patch_stop, &noise);
-    if (e->noise < noise) /* the larger of the two is promised anyway */
-        steer(g, noise, &g->effort.stop, &e->noise);
+    settle_stop(g, wanted, &g->effort.patch_stop, &noise);
     e->noise = fmax(e->noise, noise);
     gather_sum_errors(e, SAMPLE);
     return 1;

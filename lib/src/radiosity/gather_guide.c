@@ -475,7 +475,7 @@ typedef struct lanes {
 } lanes;
 
 static void look_at_row(const guide_row *row, const float x[3], const float normal[3],
-                        float share[GUIDE_LANES], lanes *sums)
+                        float upto[GUIDE_LANES], lanes *sums)
 {
     for (int i = 0; i < GUIDE_LANES; i++) {
         const float a = row->centre[0][i] - x[0], b = row->centre[1][i] - x[1],
@@ -488,11 +488,20 @@ static void look_at_row(const guide_row *row, const float x[3], const float norm
         const float factor = seen / (square * ((float)pi * square + area) + FLT_MIN);
         const float light = factor * row->brightness[i];
 
-        share[i] = light;
         sums->covered[i] += factor;
         sums->light[i] += light;
+        upto[i] = sums->light[i];
         sums->square[i] += light * row->brightness[i];
     }
+}
+
+/* Sums of all lanes before each, from those of each. */
+static void set_below(guide_view *view, const float lane[GUIDE_LANES])
+{
+    view->below[0] = 0;
+    for (int i = 0; i < GUIDE_LANES; i++)
+        view->below[i + 1] = view->below[i] + (double)lane[i];
+    view->all = view->below[GUIDE_LANES];
 }
 
 static double sum_lanes(const float v[GUIDE_LANES])
@@ -532,28 +541,47 @@ int guide_look(const gather *g, const double x[3], const double normal[3], doubl
         towards[k] = (float)normal[k];
     }
     for (int r = 0; r < t->row_count; r++)
-        look_at_row(&t->rows[r], from, towards, view->share[r], &sums);
-    memcpy(view->lane, sums.light, sizeof view->lane);
-    view->all = sum_lanes(view->lane);
+        look_at_row(&t->rows[r], from, towards, view->upto[r], &sums);
+    set_below(view, sums.light);
     return view->all > 0 && variance(view->all, sum_lanes(sums.square), sum_lanes(sums.covered)) >
                                 worth * relative * relative;
 }
 
-/* The one of `count` shares, `stride` apart, in which *at falls; *at becomes the place in it. */
-static int choose_share(const float *shares, int count, size_t stride, double *at)
+/* A target's share, of view.all. */
+static double share_of(const guide_view *view, int row, int lane)
 {
-    double before = 0, sum = 0;
-    int chosen = 0;
+    const float before = row > 0 ? view->upto[row - 1][lane] : 0;
 
-    for (int i = 0; i < count && sum <= *at; i++) {
-        if (!(shares[(size_t)i * stride] > 0))
-            continue;
-        chosen = i;
-        before = sum;
-        sum += (double)shares[(size_t)i * stride];
+    return (double)(view->upto[row][lane] - before);
+}
+
+/* The lane in which *at falls; *at becomes the place in it. */
+static int choose_lane(const guide_view *view, double *at)
+{
+    int lane = 0;
+
+    for (int i = 1; i < GUIDE_LANES; i++)
+        lane += view->below[i] <= *at;
+    *at -= view->below[lane];
+    return lane;
+}
+
+/* The row of a lane in which *at falls, by halving; *at becomes the place in it. */
+static int choose_row(const guide_view *view, int rows, int lane, double *at)
+{
+    const double top = (double)view->upto[rows - 1][lane];
+    int row = 0;
+
+    for (int step = GUIDE_ROWS / 2; step > 0; step /= 2) {
+        const int next = row + step;
+
+        /* what is left of a lane that is full has nothing to choose */
+        if (next < rows && (double)view->upto[next - 1][lane] <= *at &&
+            (double)view->upto[next - 1][lane] < top)
+            row = next;
     }
-    *at -= before;
-    return chosen;
+    *at -= row > 0 ? (double)view->upto[row - 1][lane] : 0;
+    return row;
 }
 
 void guide_choose(const gather *g, const guide_view *view, double a, double b, guide_place *out)
@@ -565,9 +593,9 @@ void guide_choose(const gather *g, const guide_view *view, double a, double b, g
     const guide_root *r;
     int lane, row;
 
-    lane = choose_share(view->lane, GUIDE_LANES, 1, &at);
-    row = choose_share(view->share[0] + lane, t->row_count, GUIDE_LANES, &at);
-    share = (double)view->share[row][lane];
+    lane = choose_lane(view, &at);
+    row = choose_row(view, t->row_count, lane, &at);
+    share = share_of(view, row, lane);
     out->target = lane + GUIDE_LANES * row;
     c = cell_at(d, t->items[out->target].cell);
     r = root_at(d, c->root);
@@ -583,15 +611,18 @@ void guide_choose(const gather *g, const guide_view *view, double a, double b, g
 void guide_learn(const gather *g, guide_view *view, const int tries[GUIDE_TARGETS],
                  const int seen[GUIDE_TARGETS])
 {
-    memset(view->lane, 0, sizeof view->lane);
+    float before[GUIDE_LANES] = {0}, sums[GUIDE_LANES] = {0}; /* up to a row, as it was and is */
+
     for (int r = 0; r < g->guide.targets[view->detail].row_count; r++)
         for (int i = 0; i < GUIDE_LANES; i++) {
             const int target = r * GUIDE_LANES + i;
+            const float share = view->upto[r][i] - before[i];
 
-            view->share[r][i] *= ((float)seen[target] + 0.5f) / ((float)tries[target] + 0.5f);
-            view->lane[i] += view->share[r][i];
+            before[i] = view->upto[r][i];
+            sums[i] += share * ((float)seen[target] + 0.5f) / ((float)tries[target] + 0.5f);
+            view->upto[r][i] = sums[i];
         }
-    view->all = sum_lanes(view->lane);
+    set_below(view, sums);
 }
 
 double guide_density(const gather *g, const guide_view *view, uint32_t prim, int back,
@@ -615,6 +646,6 @@ double guide_density(const gather *g, const guide_view *view, uint32_t prim, int
     number = c->target[view->detail];
     if (number < 0)
         return 0;
-    return (double)view->share[number / GUIDE_LANES][number % GUIDE_LANES] /
+    return share_of(view, number / GUIDE_LANES, number % GUIDE_LANES) /
            (view->all * d->targets[view->detail].items[number].area);
 }

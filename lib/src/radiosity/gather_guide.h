@@ -68,7 +68,8 @@ void guide_clear(struct gather *g);
 /* Shares of the targets as seen from one place. */
 typedef struct guide_view {
     guide_detail detail;
-    float share[GUIDE_ROWS][GUIDE_LANES], lane[GUIDE_LANES]; /* and sums of each lane */
+    float upto[GUIDE_ROWS][GUIDE_LANES]; /* sums over a lane's rows up to each */
+    double below[GUIDE_LANES + 1];       /* sums over all lanes before each */
     double all;
 } guide_view;
 

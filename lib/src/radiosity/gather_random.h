@@ -6,10 +6,11 @@
 
 #include <stdint.h>
 
-enum { SOBOL_AXES = 6, SOBOL_BITS = 32 };
+enum { SOBOL_AXES = 6, SOBOL_BITS = 32, SOBOL_BASE = 16, SOBOL_DIGITS = SOBOL_BITS / 4 };
 
+/* What each digit of the index adds to a point, highest bit last. */
 typedef struct sobol {
-    uint32_t bits[SOBOL_AXES][SOBOL_BITS];
+    uint32_t reversed[SOBOL_AXES][SOBOL_DIGITS][SOBOL_BASE];
 } sobol;
 
 void sobol_init(sobol *s);

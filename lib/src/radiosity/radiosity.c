@@ -115,12 +115,28 @@ static void give_reasons(lcor_solution *s)
                                                   : LCOR_REASON_COLOURED;
 }
 
+/* What is known of each light once the channels are. */
+static void set_lights(lcor_solution *s)
+{
+    light_set *set = &s->lights;
+
+    for (size_t i = 0; i < s->scene->lights.count; i++) {
+        const lcor_light *light = scene_light_at(s->scene, i);
+
+        set->open[i] = (unsigned char)light_is_open(s->scene, light);
+        set->power[i] = 0;
+        for (int c = 0; c < set->channels; c++)
+            set->power[i] += light_channel(set, light->intensity, c);
+    }
+}
+
 /* Channels and what depends on them, then the engine's own structures. */
 static lcor_status prepare(lcor_solution *s, lcor_error *err)
 {
     s->report.channels = channels_needed(s->scene, s->options.channels);
     s->report.engine = s->engine->id;
     s->lights.channels = s->report.channels;
+    set_lights(s);
     give_reasons(s);
     return s->engine->prepare(s, err);
 }
@@ -134,12 +150,6 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
         (void)engine_progress(s, 1);
     }
     return status;
-}
-
-static void open_lights(lcor_solution *s)
-{
-    for (size_t i = 0; i < s->scene->lights.count; i++)
-        s->lights.open[i] = (unsigned char)light_is_open(s->scene, scene_light_at(s->scene, i));
 }
 
 lcor_status lcor_radiosity_solve(const lcor_scene *scene, const lcor_radiosity_options *options,
@@ -176,11 +186,11 @@ lcor_status lcor_radiosity_solve(const lcor_scene *scene, const lcor_radiosity_o
     s->lights.scene = scene;
     memcpy(s->lights.luminance, o.luminance, sizeof s->lights.luminance);
     s->lights.open = lcor_internal_alloc(&own, scene->lights.count);
-    if (!s->lights.open) {
+    s->lights.power = lcor_internal_alloc(&own, scene->lights.count * sizeof *s->lights.power);
+    if (!s->lights.open || !s->lights.power) {
         lcor_solution_free(s);
         return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory for lights");
     }
-    open_lights(s);
     status = prepare(s, err);
     if (status == LCOR_OK)
         status = solve(s, err);
@@ -199,8 +209,8 @@ lcor_status lcor_solution_update(lcor_solution *s, lcor_error *err)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "update: solution is NULL");
     s->start = clock();
     s->done = 0;
-    open_lights(s);
     if (channels_needed(s->scene, s->options.channels) == s->report.channels) {
+        set_lights(s);
         status = s->engine->relight(s, err);
     } else {
         s->engine->release(s);
@@ -215,6 +225,7 @@ void lcor_solution_free(lcor_solution *s)
         return;
     s->engine->release(s);
     lcor_internal_free(&s->allocator, s->lights.open);
+    lcor_internal_free(&s->allocator, s->lights.power);
     lcor_internal_free(&s->allocator, s);
 }
 
