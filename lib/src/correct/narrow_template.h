@@ -78,13 +78,18 @@ STAGE int ISA(lightness_of_planes)(const lcor_kernel_constants *k, lcor_block *r
 STAGE void ISA(lightness_of_bytes)(const lcor_kernel_constants *k, const uint8_t *restrict rgb,
                                    lcor_block *restrict b)
 {
+    const lcor_kernel_constants q = *k;
+    const float zero = ISA(limits).zero, one = ISA(limits).one;
     uint32_t LCOR_ALIGNED words[LCOR_BLOCK];
 
     ISA(bytes_to_words)(rgb, words);
-    EACH (j, LCOR_BLOCK)
+    EACH (j, LCOR_BLOCK) {
+        float c[3];
+
         for (int i = 0; i < 3; i++)
-            b->c[i][j] = (float)(int32_t)(words[j] >> ISA(shift_of_byte)(i) & 255);
-    ISA(lightness_of_planes)(k, b);
+            c[i] = (float)(int32_t)(words[j] >> ISA(shift_of_byte)(i) & 255);
+        ISA(light)(&q, zero, one, c[0], c[1], c[2], j, b);
+    }
 }
 
 STAGE void ISA(widen)(lcor_sample type, size_t blocks, const void *restrict from,

@@ -111,8 +111,8 @@ static LCOR_APART void gather_texels(const lcor_plan *p, const void *texels, siz
     }
 }
 
-void lcor_internal_load_lanes(const lcor_row_job *job, size_t at, const uint8_t *list, size_t count,
-                              lcor_lanes *lanes, size_t first)
+LCOR_COLD void lcor_internal_load_lanes(const lcor_row_job *job, size_t at, const uint8_t *list,
+                                        size_t count, lcor_lanes *lanes, size_t first)
 {
     const lcor_plan *p = job->plan;
 
