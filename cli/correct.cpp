@@ -16,6 +16,7 @@ namespace
 {
 
 enum { CURVE_STEPS = 65536 };
+constexpr size_t depth_bytes[] = {0, 1, 2, 2, 4}; /* of Job::depth */
 constexpr size_t band_bytes = size_t(3) << 20;
 /* Of one task: threads wait for each other at the end of a band, so tasks are short. */
 constexpr size_t task_pixels = 32768;
@@ -89,6 +90,9 @@ class Corrector
           band_rows_(reader_.band_rows(band_bytes)),
           task_rows_(std::max<size_t>(task_pixels / reader_.width(), 1)), progress_("correcting")
     {
+        if (writer_.spec().format.size() < depth_bytes[job.depth])
+            fail(Exit::usage, "'%s' holds %s samples at most; write .tif or .exr for --depth",
+                 job.output.c_str(), writer_.spec().format.c_str());
         make_curve();
     }
 

@@ -105,6 +105,13 @@ def test_pixels_follow_the_equations_at_every_depth(tmp_path, picture, light, de
             assert a / scale == pytest.approx(min(max(b, 0), 1), abs=1.01 * step + 2e-5)
 
 
+def test_a_format_that_cannot_hold_the_depth_is_refused(tmp_path, picture, light):
+    for name, depth in (("a.jpg", 16), ("a.png", "float")):
+        refused(2, "correct", picture, "--illuminance", light, "--contrast", 9, "--depth", depth,
+                "-o", tmp_path / name, says="samples at most")
+        assert not (tmp_path / name).exists()
+
+
 def test_conventional_is_the_product(tmp_path, picture, light):
     out = tmp_path / "out.tif"
     good(
