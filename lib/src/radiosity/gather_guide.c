@@ -16,7 +16,7 @@ static const double pi = 3.14159265358979323846;
 /* Darker than this part of the mean: not worth a look of its own. */
 static const double bright = 0.05;
 /* Variance that guiding must take away, of the irradiance squared, to be worth its rays. */
-static const double worth = 0.1;
+static const double worth = 0.05;
 /* What stands nearer before a cell than this part of its width hides it. */
 static const double closeness = 0.25;
 /* But something of it is seen from aside. */
