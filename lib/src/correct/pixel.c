@@ -13,7 +13,7 @@
 double lcor_internal_display(double q, double exponent, double gain)
 {
     /* eq 12 times rho: ((q^t (c+1)/2 - 1) / (c-1), written so that nothing cancels near q = 1 */
-    return 0.5 + (lcor_internal_pow(q, exponent) - 1.0) * gain;
+    return 0.5 + ((exponent == 1.0 ? q : lcor_internal_pow(q, exponent)) - 1.0) * gain;
 }
 
 LCOR_COLD double lcor_internal_chroma_factor(double y, double y_new)
