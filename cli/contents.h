@@ -39,14 +39,6 @@ struct Vertex {
     Vec3 colour;
 };
 
-/* Triangles of one object and material share this. */
-struct Group {
-    std::string name; /* for messages */
-    size_t material;
-    std::array<size_t, 2> patches{0, 0}; /* lcor_patches, 0: not said */
-    double reflectance = -1.0;           /* lcor_reflectance, < 0: not said */
-};
-
 struct Triangle {
     std::array<Vertex, 3> corner;
     size_t group;

@@ -117,7 +117,7 @@ Json table3_json(const Scene &scene, const lcor_solution *solution)
 {
     Json faces;
     for (const SurfaceInfo &surface : scene.surfaces)
-        faces[surface.name] = surface.reflectance;
+        faces[scene.groups[surface.group].name] = surface.reflectance;
     return {
         {"patches_a_face", 2500}, {"reflectance", faces}, {"solver", report_json(scene, solution)}};
 }

@@ -59,18 +59,8 @@ class Builder
 
     Scene build(Threads &threads)
     {
-        out_.triangles = contents_.triangles.size();
-        const std::vector<Shape> shapes = make_shapes(contents_, name_, &out_.dropped);
-        if (out_.dropped > 0)
-            warn("scene '%s': %zu of %zu triangles have no area and are left out", name_.c_str(),
-                 out_.dropped, out_.triangles);
-        if (shapes.empty())
-            fail(Exit::input, "scene '%s' has no surface; does its default scene hold a mesh?",
-                 name_.c_str());
         add_given_lights();
-        measure(shapes);
-        for (size_t i = 0; i < shapes.size(); i++)
-            add_surface(shapes[i], i);
+        add_surfaces();
         for (const lcor_light &light : contents_.lights)
             add_light(light);
         say_what_is_missing();
@@ -82,6 +72,7 @@ class Builder
         out_.textures = std::move(contents_.textures);
         out_.images = std::move(contents_.images);
         out_.cameras = std::move(contents_.cameras);
+        out_.groups = std::move(contents_.groups);
         return std::move(out_);
     }
 
@@ -99,9 +90,33 @@ class Builder
         }
     }
 
-    /* Means of every surface, and whether the light has colours. */
-    void measure(const std::vector<Shape> &shapes)
+    struct Look {
+        Vec3 drawn, shines; /* mean colour, exitance */
+    };
+
+    /* Of millions of triangles there shall not be more copies at a time than needed. */
+    void add_surfaces()
     {
+        out_.triangles = contents_.triangles.size();
+        const std::vector<Shape> shapes = make_shapes(contents_, name_, &out_.dropped);
+        contents_.triangles = {};
+        if (out_.dropped > 0)
+            warn("scene '%s': %zu of %zu triangles have no area and are left out", name_.c_str(),
+                 out_.dropped, out_.triangles);
+        if (shapes.empty())
+            fail(Exit::input, "scene '%s' has no surface; does its default scene hold a mesh?",
+                 name_.c_str());
+        const std::vector<Look> looks = measure(shapes);
+        out_.surfaces.reserve(shapes.size());
+        for (size_t i = 0; i < shapes.size(); i++)
+            add_surface(shapes[i], looks[i]);
+    }
+
+    /* Means of every surface, and whether the light has colours. */
+    std::vector<Look> measure(const std::vector<Shape> &shapes)
+    {
+        std::vector<Look> looks;
+        looks.reserve(shapes.size());
         TextureMeans means(contents_, shapes.size());
         LightColours colours;
         for (const lcor_light &light : contents_.lights)
@@ -120,14 +135,14 @@ class Builder
                     shines[c] *= pi * material.emission[c];
                 colours.add(shines.data());
             }
-            drawn_.push_back(drawn);
-            shines_.push_back(shines);
+            looks.push_back({drawn, shines});
         }
         coloured_ = options_.channels == 2 || (options_.channels == 0 && colours.differ());
         out_.channels = coloured_ ? 3 : 1;
         out_.channels_reason = options_.channels != 0 ? lcor_reason_text(LCOR_REASON_ASKED)
                                : coloured_            ? "lights differ in colour"
                                                       : "all lights have one colour";
+        return looks;
     }
 
     /* One channel: all three hold the luminance. */
@@ -137,13 +152,13 @@ class Builder
             out[c] = coloured_ ? rgb[c] : luminance_of(out_.colour, rgb);
     }
 
-    void add_surface(const Shape &shape, size_t index)
+    void add_surface(const Shape &shape, const Look &look)
     {
         const Group &group = contents_.groups[shape.group];
         const Material &material = contents_.materials[group.material];
         SurfaceInfo info = {};
         info.material = group.material;
-        info.name = group.name;
+        info.group = shape.group;
         const Vertex *const corner[3] = {&shape.corner[0], &shape.corner[1],
                                          &shape.corner[shape.quad ? 3 : 2]};
         for (size_t k = 0; k < 2; k++)
@@ -156,7 +171,7 @@ class Builder
         const Vec3 v = corner[2]->position - corner[0]->position;
         info.area = length(cross(u, v)) * (shape.quad ? 1.0 : 0.5);
 
-        const Vec3 &drawn = drawn_[index];
+        const Vec3 &drawn = look.drawn;
         info.texture_reflectance = luminance_of(out_.colour, drawn.data());
         Vec3 reflectance = drawn;
         if (group.reflectance >= 0.0) {
@@ -177,7 +192,7 @@ class Builder
         if (full && full_++ == 0)
             first_full_ = group.name;
         info.reflectance = luminance_of(out_.colour, surface.reflectance);
-        to_channels(shines_[index].data(), surface.emission);
+        to_channels(look.shines.data(), surface.emission);
         out_.emitters += *std::max_element(surface.emission, surface.emission + 3) > 0.0 ? 1 : 0;
         surface.two_sided = !options_.one_sided || material.double_sided;
         for (size_t k = 0; k < 2; k++)
@@ -237,7 +252,6 @@ class Builder
     const SceneOptions &options_;
     const std::string &name_;
     Scene out_;
-    std::vector<Vec3> drawn_, shines_; /* of each shape: mean colour, exitance */
     bool coloured_ = false;
     size_t full_ = 0;
     std::string first_full_;

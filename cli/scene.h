@@ -43,6 +43,14 @@ struct Material {
     bool double_sided = false;
 };
 
+/* Triangles of one object and material share this. */
+struct Group {
+    std::string name; /* for messages */
+    size_t material;
+    std::array<size_t, 2> patches{0, 0}; /* lcor_patches, 0: not said */
+    double reflectance = -1.0;           /* lcor_reflectance, < 0: not said */
+};
+
 /* What lies on surface i of the lcor_scene. At lcor_hit (u, v) the texture coordinate is
  * uv[0] + u uv[1] + v uv[2], (0, 0) the upper left corner of the picture; the vertex colour
  * (linear, multiplies the base colour) likewise. */
@@ -56,7 +64,7 @@ struct SurfaceInfo {
     double area;
     bool quad;                     /* else a triangle */
     std::array<size_t, 2> patches; /* grid; a triangle's two are equal */
-    std::string name;              /* node and primitive, for messages */
+    size_t group;                  /* index into Scene::groups */
 };
 
 struct SceneCamera {
@@ -68,6 +76,7 @@ struct SceneCamera {
 struct Scene {
     ScenePointer scene;                /* committed */
     std::vector<SurfaceInfo> surfaces; /* one for each surface of `scene` */
+    std::vector<Group> groups;
     std::vector<Material> materials;
     std::vector<Texture> textures;
     std::vector<Image> images;

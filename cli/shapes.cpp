@@ -186,6 +186,7 @@ std::vector<Shape> make_shapes(const Contents &contents, const std::string &name
     }
     constexpr size_t none = static_cast<size_t>(-1);
     std::vector<size_t> chosen(triangles.size(), none); /* pair a triangle leads */
+    size_t joined = 0;
     const std::vector<Pair> pairs = find_pairs(triangles, good);
     for (size_t i = 0; i < pairs.size(); i++) {
         if (!good[pairs[i].first] || !good[pairs[i].second])
@@ -193,8 +194,10 @@ std::vector<Shape> make_shapes(const Contents &contents, const std::string &name
         /* Taken: the first one stands for both, the second for nothing. */
         good[pairs[i].first] = good[pairs[i].second] = false;
         chosen[pairs[i].first] = i;
+        joined++;
     }
     std::vector<Shape> shapes;
+    shapes.reserve(static_cast<size_t>(std::count(good.begin(), good.end(), true)) + joined);
     for (size_t i = 0; i < triangles.size(); i++) {
         if (chosen[i] != none)
             shapes.push_back(join(triangles, pairs[chosen[i]]));

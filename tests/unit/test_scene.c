@@ -12,6 +12,7 @@ static lcor_scene *empty(void)
     return scene;
 }
 
+static const double pi = 3.14159265358979323846;
 static const double o[3] = {0, 0, 0}, x[3] = {1, 0, 0}, y[3] = {0, 1, 0}, z[3] = {0, 0, 1};
 
 static void refused(lcor_scene *scene, const char *part, long where)
@@ -227,6 +228,45 @@ static void boxes_stand_in_the_light_as_one(void **state)
     }
 }
 
+/* A ball seen from inside, of 2 n^2 triangles; one of its corners may be moved along its radius. */
+static int ball_is_convex(int n, int moved, double radius)
+{
+    lcor_scene *scene = empty();
+    lcor_error err;
+    int convex;
+
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double p[4][3];
+
+            for (int c = 0; c < 4; c++) {
+                const int row = i + c / 2, column = (j + c % 2) % n;
+                const double polar = pi * row / n, around = 2 * pi * column / n;
+                const double r = row * n + column == moved ? radius : 1;
+
+                p[c][0] = r * sin(polar) * cos(around);
+                p[c][1] = r * sin(polar) * sin(around);
+                p[c][2] = r * cos(polar);
+            }
+            if (i + 1 < n)
+                (void)lcor_scene_add_triangle(scene, p[0], p[3], p[2], NULL, NULL, NULL);
+            if (i > 0)
+                (void)lcor_scene_add_triangle(scene, p[0], p[1], p[3], NULL, NULL, NULL);
+        }
+    must(lcor_scene_commit(scene, NULL, &err), &err);
+    convex = scene->convex;
+    lcor_scene_free(scene);
+    return convex;
+}
+
+static void a_ball_is_convex_until_one_corner_moves(void **state)
+{
+    (void)state;
+    assert_true(ball_is_convex(80, -1, 1));
+    assert_false(ball_is_convex(80, 40 * 80 + 33, 0.999));
+    assert_false(ball_is_convex(80, 40 * 80 + 33, 1.001));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -236,6 +276,7 @@ int main(void)
         cmocka_unit_test(triangle_patches_have_the_documented_order),
         cmocka_unit_test(rays_report_surface_place_and_side),
         cmocka_unit_test(boxes_stand_in_the_light_as_one),
+        cmocka_unit_test(a_ball_is_convex_until_one_corner_moves),
     };
 
     return cmocka_run_group_tests_name("scene", tests, NULL, NULL);

@@ -6,7 +6,6 @@
 #include "scene/scene_internal.h"
 
 #include <math.h>
-#include <string.h>
 
 static const double half_pi = 1.57079632679489661923;
 
@@ -227,32 +226,6 @@ static lcor_status build_rays(lcor_scene *scene, const lcor_parallel *parallel, 
     return status;
 }
 
-/* Walls of many tiles or triangles lie in one plane: it is looked at once. */
-static int is_convex(const lcor_scene *scene)
-{
-    const double *p = scene->corners.items;
-    const double least = -SCENE_TOUCH * scene->diameter;
-    const scene_surface *before = NULL;
-
-    for (size_t i = 0; i < scene->surfaces.count; i++) {
-        const scene_surface *s = scene_surface_at(scene, i);
-        double d[3];
-
-        if (before && memcmp(s->normal, before->normal, sizeof s->normal) == 0) {
-            vec_sub(s->origin, before->origin, d);
-            if (vec_dot(d, s->normal) == 0)
-                continue;
-        }
-        before = s;
-        for (size_t j = 0; j < scene->corners.count; j++) {
-            vec_sub(p + 3 * j, s->origin, d);
-            if (vec_dot(d, s->normal) < least)
-                return 0;
-        }
-    }
-    return 1;
-}
-
 lcor_status lcor_scene_commit(lcor_scene *scene, const lcor_parallel *parallel, lcor_error *err)
 {
     lcor_status status;
@@ -273,13 +246,13 @@ lcor_status lcor_scene_commit(lcor_scene *scene, const lcor_parallel *parallel, 
     scene->factor_points = lcor_factor_points_at(0);
     scene->cpu = lcor_internal_cpu();
     scene->diameter = diameter_of(scene);
-    scene->convex = is_convex(scene);
     corners = scene->corners.count;
-    if (!lcor_scene_find_sheets(scene) || !lcor_scene_find_solids(scene)) {
+    if (!lcor_scene_find_convex(scene) || !lcor_scene_find_sheets(scene) ||
+        !lcor_scene_find_solids(scene)) {
         scene->corners.count = corners; /* without the sheets' */
         lcor_bvh_free(scene->bvh);
         scene->bvh = NULL;
-        return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory for sheets and solids");
+        return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory to look at the scene as a whole");
     }
     scene->committed = 1;
     return LCOR_OK;

@@ -126,6 +126,9 @@ int lcor_scene_blocked(const lcor_scene *scene, const double from[3], const doub
 int lcor_scene_blocked_towards(const lcor_scene *scene, const double from[3],
                                const double direction[3], uint32_t skip, uint32_t *cache);
 
+/* convex.c: finds whether the scene is; 0 without memory. */
+int lcor_scene_find_convex(lcor_scene *scene);
+
 /* sheet.c: finds the sheets and fills the shapes; 0 without memory. */
 int lcor_scene_find_sheets(lcor_scene *scene);
 
