@@ -261,12 +261,13 @@ static int strive(gather *g, const gather_errors *e)
     double field = e->field, noise = e->noise;
 
     if (coarse) {
+        gather_forget_records(g); /* they were traced for another `near` */
         g->effort.rays *= 2;
         g->effort.near *= 1.5;
         g->effort.leaf_size *= 0.75;
         field *= 0.5;
     } else if (bias > 1) {
-        g->effort.rays *= fmin(bias * bias, 4);
+        g->effort.rays *= fmin(fmax(bias * bias, 1.5), 4);
     }
     tighten(g, noise_wanted(field, rms), &g->effort.stop, &noise);
     return coarse || bias > 1;
@@ -304,11 +305,13 @@ static int settle(gather *g, gather_errors *e)
 static int make_field(gather *g)
 {
     const double wanted = bias_aim * bias_allowed(g->solution);
+    const size_t leaves = g->leaves.count;
     gather_errors e;
 
     if (!gather_grow(g))
         return 0;
-    gather_forget_records(g);
+    if (g->leaves.count != leaves) /* records know leaves by number */
+        gather_forget_records(g);
     for (int pass = 0;; pass++) {
         if (!gather_solve_field(g) || !gather_judge_field(g, &e))
             return 0;
@@ -356,6 +359,7 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
 
     g->cancelled = g->hurry = 0;
     set_effort(g, s->options.tolerance);
+    gather_forget_records(g);
     effort = g->effort;
     if (!guide_build(g))
         return no_memory(err);
