@@ -233,8 +233,8 @@ static void pixels_agree_with_answers_that_took_long(void **state)
         assert_true(c.compared > 200);
         assert_true(c.rms <= 1.3 * tolerance);
         assert_true(c.worst <= 6 * tolerance);
-        assert_true(report.error >= 0.5 * c.rms && report.error <= 4 * c.rms);
-        assert_true(report.samples < WIDTH * HEIGHT / 4);
+        assert_true(report.error >= 0.5 * c.rms && report.error <= 3 * c.rms);
+        assert_true(report.samples < WIDTH * HEIGHT / 12); /* few along the room's edges */
         lcor_field_free(field);
         lcor_view_free(view);
     }

@@ -133,7 +133,7 @@ LCOR_API void lcor_field_free(lcor_field *field);
 typedef struct lcor_field_report {
     double error;     /**< largest relative difference between samples and their prediction from
                            the next coarser grid: the error left is smaller. With noise, the root
-                           mean square over pixels of the standard deviations expected */
+                           mean square over pixels of the errors expected */
     uint64_t samples; /**< indirect irradiances taken from the solution */
     int channels;     /**< of the solution: 1 or 3 */
 } lcor_field_report;

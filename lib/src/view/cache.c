@@ -14,7 +14,7 @@ enum { TERMS = 6, LEAF = 4, NEAR_MAX = 512, DEPTH_MAX = 64 };
 
 /* Before anything is measured: how much irradiance changes over a radius, as part of itself, by
  * the linear and by the quadratic terms. */
-static const double prior_linear = 0.3, prior_quadratic = 0.1;
+static const double prior_linear = 0.6, prior_quadratic = 0.4;
 /* Planes apart by less than this part of the scene's diameter are one, if the cosine between their
  * normals is less than 1 by no more either: then these differ by `same_normal`. */
 static const double same_plane = 1e-6, same_normal = 1.4143e-3;
@@ -56,9 +56,11 @@ static void set_node(const light_cache *cache, cache_node *node, size_t first, s
     for (size_t i = 0; i < count; i++) {
         const cache_record *r = cache_record_at(cache, order[i].record);
 
-        for (int k = 0; k < 3; k++) { /* a disc's extent along the axis */
-            const double reach = r->radius * sqrt(fmax(0, 1 - r->normal[k] * r->normal[k])) +
-                                 same_plane * cache->scene->diameter;
+        for (int k = 0; k < 3; k++) { /* an ellipse's extent along the axis */
+            const double disc = 1 - r->normal[k] * r->normal[k];
+            const double longer = (r->stretch * r->stretch - 1) * r->along[k] * r->along[k];
+            const double reach =
+                r->radius * sqrt(fmax(0, disc + longer)) + same_plane * cache->scene->diameter;
 
             node->low[k] = fmin(node->low[k], r->x[k] - reach);
             node->high[k] = fmax(node->high[k], r->x[k] + reach);
@@ -140,14 +142,18 @@ static int blocked(const light_cache *cache, const double x[3], const double nor
     return lcor_scene_blocked(cache->scene, from, end, LCOR_BVH_NONE, NULL);
 }
 
+/* What is taken off the square of a length along the record's ellipse to measure it as across. */
+static double shortened(const cache_record *r) { return 1 - 1 / (r->stretch * r->stretch); }
+
 /* Smooth, 1 at the record and 0 at its rim and off its plane. */
 static double kernel_at(const light_cache *cache, const cache_record *r, double radius,
                         const double x[3], const double normal[3])
 {
-    double away[3], q;
+    double away[3], along, q;
 
     vec_sub(x, r->x, away);
-    q = 1 - vec_dot(away, away) / (radius * radius);
+    along = vec_dot(away, r->along);
+    q = 1 - (vec_dot(away, away) - shortened(r) * along * along) / (radius * radius);
     if (!(q > 0) || vec_dot(normal, r->normal) < 1 - same_plane ||
         fabs(vec_dot(away, normal)) > same_plane * cache->scene->diameter)
         return 0;
@@ -217,7 +223,10 @@ void cache_fence(const light_cache *cache, size_t record)
 
 /* What a fit at a place needs: frame, scale of lengths and of values, noise of a record. */
 typedef struct model {
-    double u[3], v[3], radius, mean;
+    double u[3], v[3], radius;
+    double
+        shape[3]; /* of a u + b v in the mean ellipse: (shape0 a + shape1 b, shape2 b) / radius */
+    double mean;
     double variance; /* of one sample */
 } model;
 
@@ -230,20 +239,46 @@ static double mean_of(const light_cache *cache, const double *values)
     return sum;
 }
 
+static void set_frame(const double normal[3], model *m)
+{
+    double axis[3] = {0};
+
+    axis[fabs(normal[0]) < 0.7 ? 0 : 1] = 1;
+    vec_cross(normal, axis, m->u);
+    (void)vec_normalize(m->u);
+    vec_cross(normal, m->u, m->v);
+}
+
+/* The mean of the records' ellipses, of small ones most. */
+static void set_shape(double part, const neighbour *near, size_t count, model *m)
+{
+    double weights = 0, uu = 0, uv = 0, vv = 0;
+
+    m->radius = 0;
+    for (size_t i = 0; i < count; i++) {
+        const cache_record *record = near[i].record;
+        const double r = part * record->radius, w = near[i].kernel / (r * r * r * r);
+        const double u = vec_dot(record->along, m->u), v = vec_dot(record->along, m->v);
+
+        weights += w;
+        m->radius += w * r;
+        uu += w * shortened(record) * u * u;
+        uv += w * shortened(record) * u * v;
+        vv += w * shortened(record) * v * v;
+    }
+    m->radius /= weights;
+    m->shape[0] = sqrt(1 - uu / weights);
+    m->shape[1] = -uv / weights / m->shape[0];
+    m->shape[2] = sqrt(1 - vv / weights - m->shape[1] * m->shape[1]);
+}
+
 /* Small records outweigh large ones: they were made small because light changes there. The noise
  * is that of all: a record's own would favour those that have missed something bright. */
 static void weigh(const light_cache *cache, double part, neighbour *near, size_t count, model *m)
 {
-    double weights = 0, variance = 0, inverse = 0;
+    double weights = 0, variance = 0;
 
-    m->mean = m->radius = 0;
-    for (size_t i = 0; i < count; i++) {
-        const double r = part * near[i].record->radius, w = near[i].kernel / (r * r * r * r);
-
-        inverse += w;
-        m->radius += w * r;
-    }
-    m->radius /= inverse;
+    m->mean = 0;
     for (size_t i = 0; i < count; i++) {
         const cache_record *r = near[i].record;
         const double q = fmin(1, m->radius / (part * r->radius)), samples = r->samples;
@@ -259,11 +294,13 @@ static void weigh(const light_cache *cache, double part, neighbour *near, size_t
 
 static void terms_at(const model *m, const double x[3], const cache_record *r, double f[TERMS])
 {
-    double away[3], a, b;
+    double away[3], u, v, a, b;
 
     vec_sub(r->x, x, away);
-    a = vec_dot(away, m->u) / m->radius;
-    b = vec_dot(away, m->v) / m->radius;
+    u = vec_dot(away, m->u) / m->radius;
+    v = vec_dot(away, m->v) / m->radius;
+    a = m->shape[0] * u + m->shape[1] * v;
+    b = m->shape[2] * v;
     f[0] = 1;
     f[1] = a;
     f[2] = b;
@@ -327,22 +364,21 @@ void cache_fit_at(const light_cache *cache, const double x[3], const double norm
 {
     neighbour near[NEAR_MAX];
     double a[TERMS][TERMS] = {{0}}, b[CACHE_CHANNELS][TERMS] = {{0}};
-    double first[TERMS] = {1}, all[TERMS] = {0}, own, axis[3] = {0};
+    double first[TERMS] = {1}, all[TERMS] = {0}, own;
     model m;
 
     memset(out, 0, sizeof *out);
     out->count = keep_seen(cache, x, normal, near, find_neighbours(cache, x, normal, part, near));
     if (out->count == 0)
         return;
+    set_frame(normal, &m);
+    set_shape(part, near, out->count, &m);
     weigh(cache, part, near, out->count, &m);
     out->radius = m.radius;
+    out->stretch = 1 / (m.shape[0] * m.shape[2]);
     out->variance = m.variance;
     if (!(m.mean > 0))
         return;
-    axis[fabs(normal[0]) < 0.7 ? 0 : 1] = 1;
-    vec_cross(normal, axis, m.u);
-    (void)vec_normalize(m.u);
-    vec_cross(normal, m.u, m.v);
     own = cache->tolerance * cache->tolerance * m.mean * m.mean;
     for (size_t i = 0; i < out->count; i++) {
         const double noise = m.variance / near[i].record->samples + own;

@@ -12,9 +12,10 @@
 
 enum { CACHE_CHANNELS = 3 };
 
-/* An estimate, valid on its plane and side within `radius`, less and less towards its rim. */
+/* An estimate, valid on its plane and side within an ellipse, less and less towards its rim. */
 typedef struct cache_record {
-    double x[3], normal[3], radius;
+    double x[3], normal[3], radius;         /* across, */
+    double along[3], stretch;               /* and `stretch` times that along a direction */
     double value[CACHE_CHANNELS], variance; /* of the mean over the channels */
     uint32_t samples;                       /* the value is the mean of */
     double exact; /* what no value holds, since it needs no estimate; mean over the channels */
@@ -47,8 +48,8 @@ typedef struct cache_fit {
     double value[CACHE_CHANNELS];
     double deviation; /* standard deviation of the value by the records' noise, mean of channels */
     double unrest;    /* and by what they differ from the polynomial beyond their noise */
-    double radius;    /* mean of the records' */
-    double variance;  /* of one sample */
+    double radius, stretch; /* means of the records' */
+    double variance;        /* of one sample */
 } cache_fit;
 
 static inline cache_record *cache_record_at(const light_cache *cache, size_t i)
