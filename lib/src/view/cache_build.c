@@ -37,7 +37,7 @@ static const double shrink_sure = 2.5;
 /* Largest deviation allowed, of the tolerance. */
 static const double allowed_share = 2.3;
 /* Errors are smaller than the deviations expected, since the fit's priors are wide: by this factor,
- * which was 0.35 to 0.57 in a Cornell box, a room with coloured walls and a height field. */
+ * which was 0.34 to 0.64 in a Cornell box, a room with coloured walls and a height field. */
 static const double error_share = 0.55;
 /* Part of the picture's mean irradiance below which errors are not relative any more. */
 static const double dark = 0.02;
