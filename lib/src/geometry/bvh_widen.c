@@ -24,7 +24,7 @@ static const float block_cost = 2.5F;
 
 /* What its memory costs besides, as a share of a test of all nodes: too little to part what many
  * rays meet, enough to fill the blocks that few do. */
-static const float memory_cost = 8;
+static const float memory_cost = 1;
 
 static size_t left_of(size_t at) { return at + 1; }
 
