@@ -252,7 +252,8 @@ lcor_status lcor_scene_commit(lcor_scene *scene, const lcor_parallel *parallel, 
         scene->corners.count = corners; /* without the sheets' */
         lcor_bvh_free(scene->bvh);
         scene->bvh = NULL;
-        return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1, "no memory to look at the scene as a whole");
+        return lcor_internal_fail(err, LCOR_ERR_NOMEM, -1,
+                                  "no memory to look at the scene as a whole");
     }
     scene->committed = 1;
     return LCOR_OK;
