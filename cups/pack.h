@@ -16,9 +16,8 @@ size_t pack_row_max(size_t pixels, size_t pixel_bytes);
 /* Packs `rows` rows of pixels of at most PACK_SLACK bytes. Returns the number of bytes in `to`. */
 size_t pack_rows(const unsigned char *pixels, size_t rows, size_t row_pixels, size_t pixel_bytes,
                  unsigned char *to);
-/* Those rows again. Reads PACK_SLACK bytes behind `packed` and writes as many behind the last row,
- * too. False if the `size` bytes are
- * not what they became. */
+/* Those rows again. Reads PACK_SLACK bytes behind `packed` and writes as many behind the last row.
+ * False if the `size` bytes are not what rows become. */
 bool unpack_rows(const unsigned char *packed, size_t size, size_t rows, size_t row_pixels,
                  size_t pixel_bytes, unsigned char *pixels);
 
