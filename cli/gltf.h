@@ -76,9 +76,9 @@ struct UvSource {
     std::array<double, 6> transform{1, 0, 0, 0, 1, 0};
 };
 UvSource uv_source(const ModelFile &file, int material);
-void convert_light(const ModelFile &file, const tinygltf::Light &light, const Transform &world,
+void convert_light(const ModelFile &file, const tinygltf::Light &from, const Transform &world,
                    const std::string &node, Contents &contents);
-void convert_camera(const ModelFile &file, int camera, const Transform &world,
+void convert_camera(const ModelFile &file, int index, const Transform &world,
                     const std::string &node, Contents &contents);
 
 double extras_number(const tinygltf::Value &extras, const char *key); /* -1: not there */

@@ -212,7 +212,7 @@ class Builder
                                             corner[2]->position.data(), &surface, nullptr, &error),
               error, Exit::input, "scene '" + name_ + "', " + group.name);
         grow_box(shape);
-        out_.surfaces.push_back(std::move(info));
+        out_.surfaces.push_back(info);
     }
 
     void grow_box(const Shape &shape)

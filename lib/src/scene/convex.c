@@ -7,7 +7,6 @@
 #include "scene/scene_internal.h"
 
 #include <float.h>
-#include <string.h>
 
 enum { RUN = 16 }; /* corners in a box at the bottom */
 
@@ -70,6 +69,11 @@ static int any_below(const boxes *b, size_t at, const scene_surface *s, double l
     return 0;
 }
 
+static int are_same(const double a[3], const double b[3])
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
 int lcor_scene_find_convex(lcor_scene *scene)
 {
     const double least = -SCENE_TOUCH * scene->diameter;
@@ -84,7 +88,7 @@ int lcor_scene_find_convex(lcor_scene *scene)
         double d[3];
 
         /* Walls of many tiles or triangles lie in one plane: it is looked at once. */
-        if (before && memcmp(s->normal, before->normal, sizeof s->normal) == 0) {
+        if (before && are_same(s->normal, before->normal)) {
             vec_sub(s->origin, before->origin, d);
             if (vec_dot(d, s->normal) == 0)
                 continue;
