@@ -60,6 +60,17 @@ static inline double vec_normalize(double a[3])
     return length * largest;
 }
 
+/* u and v: any orthonormal frame around a unit vector. */
+static inline void vec_frame(const double normal[3], double u[3], double v[3])
+{
+    double axis[3] = {0, 0, 0};
+
+    axis[fabs(normal[0]) < 0.7 ? 0 : 1] = 1;
+    vec_cross(normal, axis, u);
+    (void)vec_normalize(u);
+    vec_cross(normal, u, v);
+}
+
 /* origin + s edge_u + t edge_v */
 static inline void vec_plane_point(const double origin[3], const double edge_u[3],
                                    const double edge_v[3], double s, double t, double out[3])

@@ -14,18 +14,6 @@ static const double dark_share = 0.02;
 /* Light that no ray has met yet, through a slit say: as if the next one met so much of the mean. */
 static const double unmet_share = 0.5;
 
-/* Any orthonormal frame around the normal. */
-static void set_frame(gather_stand *stand, const double normal[3])
-{
-    double axis[3] = {0, 0, 0};
-
-    axis[fabs(normal[0]) < 0.7 ? 0 : 1] = 1;
-    vec_copy(normal, stand->normal);
-    vec_cross(normal, axis, stand->u);
-    (void)vec_normalize(stand->u);
-    vec_cross(normal, stand->u, stand->v);
-}
-
 void gather_query_point(const gather *g, const double x[3], const double normal[3],
                         uint32_t surface, gather_query *q)
 {
@@ -37,7 +25,8 @@ void gather_query_point(const gather *g, const double x[3], const double normal[
     q->share_effort = g->effort.share;
     q->samples = g->effort.samples;
     if (surface == LCOR_BVH_NONE) {
-        set_frame(&q->stand, normal);
+        vec_copy(normal, q->stand.normal);
+        vec_frame(normal, q->stand.u, q->stand.v);
         q->stand.surface = LCOR_BVH_NONE;
         q->seed = 1;
     } else {

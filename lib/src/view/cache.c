@@ -239,16 +239,6 @@ static double mean_of(const light_cache *cache, const double *values)
     return sum;
 }
 
-static void set_frame(const double normal[3], model *m)
-{
-    double axis[3] = {0};
-
-    axis[fabs(normal[0]) < 0.7 ? 0 : 1] = 1;
-    vec_cross(normal, axis, m->u);
-    (void)vec_normalize(m->u);
-    vec_cross(normal, m->u, m->v);
-}
-
 /* The mean of the records' ellipses, of small ones most. */
 static void set_shape(double part, const neighbour *near, size_t count, model *m)
 {
@@ -371,7 +361,7 @@ void cache_fit_at(const light_cache *cache, const double x[3], const double norm
     out->count = keep_seen(cache, x, normal, near, find_neighbours(cache, x, normal, part, near));
     if (out->count == 0)
         return;
-    set_frame(normal, &m);
+    vec_frame(normal, m.u, m.v);
     set_shape(part, near, out->count, &m);
     weigh(cache, part, near, out->count, &m);
     out->radius = m.radius;

@@ -233,13 +233,9 @@ typedef struct surroundings {
 static void look_around(const placing *p, const cache_record *at, surroundings *out)
 {
     const double golden = 0.6180339887498949; /* spreads points of a line best */
-    double axis[3] = {0};
 
     memset(out, 0, sizeof *out);
-    axis[fabs(at->normal[0]) < 0.7 ? 0 : 1] = 1;
-    vec_cross(at->normal, axis, out->u);
-    (void)vec_normalize(out->u);
-    vec_cross(at->normal, out->u, out->v);
+    vec_frame(at->normal, out->u, out->v);
     for (int i = 0; i < PROBES; i++) {
         lcor_ray ray = {.t_min = SCENE_TOUCH * p->cache->scene->diameter,
                         .t_max = HUGE_VAL,
