@@ -300,6 +300,52 @@ static void slivers_change_nothing(void **state)
     assert_true(rms_between(values[1], values[0], 5 * N * N) <= 0.03);
 }
 
+/* A knee hole that opens away from the lamp, dark down to 2 % of the mean: a request for the
+ * largest error holds there too. */
+static void the_largest_error_holds_in_the_dark(void **state)
+{
+    enum { ACROSS = 8, DEEP = 6, PLACES = ACROSS * DEEP };
+    static const double corner[3] = {0.25, 0.1, 0.2}, width[3] = {0.35, 0, 0},
+                        depth[3] = {0, 0.4, 0}, height[3] = {0, 0, 0.2}, down[3] = {0, 0, -1};
+    lcor_radiosity_options options = options_for(LCOR_ENGINE_LINKS, 2e-3);
+    double points[3 * PLACES], normals[3 * PLACES], truth[PLACES], values[PLACES], worst = 0;
+    lcor_scene *scene = new_scene();
+    const lcor_radiosity_report *report;
+    lcor_solution *solution;
+    lcor_error err;
+
+    (void)state;
+    add_room(scene, 1, paper_rho, 0, 1);
+    add_lamp(scene, 0.38, 0.8, 0.6, 1);
+    add_square(scene, corner, width, depth, 0.5, 0, 1);
+    add_square(scene, (double[3]){0.25, 0.5, 0}, width, height, 0.5, 0, 1);
+    add_square(scene, (double[3]){0.25, 0.1, 0}, depth, height, 0.5, 0, 1);
+    add_square(scene, (double[3]){0.6, 0.1, 0}, depth, height, 0.5, 0, 1);
+    commit(scene);
+    for (int i = 0; i < PLACES; i++)
+        for (int k = 0; k < 3; k++) {
+            points[3 * i + k] = corner[k] + width[k] * (i % ACROSS + 0.5) / ACROSS +
+                                depth[k] * (i / ACROSS + 0.5) / DEEP;
+            normals[3 * i + k] = down[k];
+        }
+    solution = solve_with(scene, &options);
+    must(lcor_solution_at(solution, PLACES, points, normals, truth, NULL, &err), &err);
+    lcor_solution_free(solution);
+    options = options_for(LCOR_ENGINE_GATHER, 0.03);
+    options.norm = LCOR_NORM_MAX;
+    solution = solve_with(scene, &options);
+    must(lcor_solution_at(solution, PLACES, points, normals, values, NULL, &err), &err);
+    for (int i = 0; i < PLACES; i++)
+        worst = fmax(worst, fabs(values[i] / truth[i] - 1));
+    report = lcor_solution_report(solution);
+    print_message("dark: worst %.1e, reported %.1e, %lu leaves\n", worst, report->error_max,
+                  (unsigned long)report->elements);
+    assert_true(report->converged);
+    assert_true(worst <= options.tolerance);
+    lcor_solution_free(solution);
+    lcor_scene_free(scene);
+}
+
 static lcor_scene *box_room(void)
 {
     lcor_scene *scene = paper_room(N);
@@ -483,6 +529,7 @@ int main(void)
         cmocka_unit_test(a_slit_does_not_eat_the_field),
         cmocka_unit_test(a_slit_is_dark_inside),
         cmocka_unit_test(slivers_change_nothing),
+        cmocka_unit_test(the_largest_error_holds_in_the_dark),
         cmocka_unit_test(an_update_agrees_with_a_new_solution),
         cmocka_unit_test(it_can_be_cancelled),
         cmocka_unit_test(a_limit_returns_the_best_solution_unconverged),

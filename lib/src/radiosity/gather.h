@@ -16,6 +16,9 @@
 /* GATHER_TRIES: places tried for one that rays come to. */
 enum { GATHER_TRIES = 8, GATHER_TERMS = 6, GATHER_CHANNELS = 3, GATHER_GROUPS = 8 };
 
+/* Errors are relative to the irradiance, or to this part of the scene's mean where it is dark. */
+#define GATHER_DARK 0.02
+
 static const uint32_t gather_none = UINT32_MAX; /* no surface, side or leaf */
 
 /* Coplanar surfaces that touch share a plane, with orthonormal coordinates u, v. Irradiance does
@@ -58,6 +61,7 @@ typedef struct gather_leaf {
     size_t first_piece, piece_count;
     double centre[2], half[2], area;
     double ray_length; /* harmonic mean */
+    double brightness; /* irradiance, of the scene's mean, at most 1: 1 where nobody asked */
     uint32_t hits;     /* by probing rays */
     int terms;         /* 1, 3 or 6; 0: the leaf was split */
     size_t slot;       /* number among those that were not */
@@ -234,6 +238,9 @@ void gather_apply(void *arg, const double *in, double *out);
 /* What groups of a leaf's rays say more than the field does, mean over the leaf, as fields. */
 void gather_residuals(const gather *g, double *const groups[GATHER_GROUPS]);
 
+/* Sets the brightness of leaves by the field there is. */
+int gather_find_dark(gather *g);
+
 /* gather_query.c: the irradiance that is not direct, at a stand or as the average over a patch. */
 typedef struct gather_query {
     gather_stand stand;
@@ -253,6 +260,8 @@ void gather_query_point(const gather *g, const double x[3], const double normal[
                         uint32_t surface, gather_query *q);
 void gather_query_patch(const gather *g, size_t surface, lcor_value value, size_t index,
                         gather_query *q);
+/* What the irradiance may be where `direct` is what comes straight, and at least what is dark. */
+double gather_expected(const gather *g, const gather_stand *stand, const double *direct);
 /* Adds to `total`, which holds what is direct; `group` gets what the other fields add to the
  * answer, mean of the channels. Returns the number of rays. */
 uint64_t gather_answer(const gather *g, const gather_query *q, double *total, double *group);

@@ -300,6 +300,16 @@ static int settle(gather *g, gather_errors *e)
     return 1;
 }
 
+/* A first field of few rays, to see where leaves must be finer for a promise that holds
+ * everywhere. */
+static int find_dark(gather *g)
+{
+    gather_errors e;
+
+    return gather_grow(g) && gather_solve_field(g) && gather_judge_field(g, &e) &&
+           gather_find_dark(g);
+}
+
 /* A field that is not wrong all over: as many more rays as that takes. What it errs here and there,
  * answers must tell. */
 static int make_field(gather *g)
@@ -364,6 +374,8 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
     if (!guide_build(g))
         return no_memory(err);
     g->mean = g->guide.mean;
+    if (s->options.norm == LCOR_NORM_MAX && !find_dark(g))
+        goto stopped;
     for (int round = 0; round < ROUNDS_MAX; round++) {
         const double begun = seconds_spent(s);
 

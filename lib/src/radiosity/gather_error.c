@@ -10,9 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { ITERATIONS_MAX = 4, SURVEY_PLACES = 256, SURVEY_SAMPLES = 16 };
-
-static const double dark_share = 0.02;
+enum { ITERATIONS_MAX = 4, SURVEY_PLACES = 256, SURVEY_SAMPLES = 16, CANDIDATES = 8 };
 
 typedef struct verdict {
     int lit;
@@ -25,6 +23,7 @@ typedef struct verification {
     gather *g;
     verdict *verdicts;
     double *const *groups; /* what they add to the field, or NULL: of averages over patches */
+    size_t by_area;        /* places; those after them are where it is dark */
 } verification;
 
 static double mean_of(const gather *g, const double *values)
@@ -46,6 +45,29 @@ static void ask_point(const gather *g, uint32_t i, uint32_t seed, gather_query *
     (void)gather_place(g, random[0], random[1], &stand);
     gather_query_point(g, stand.x, stand.normal, stand.surface, q);
     light_at(&g->solution->lights, stand.x, stand.normal, stand.surface, direct);
+}
+
+/* A place drawn by area over irradiance, one of some drawn by area [Talbot et al. 2005]. */
+static void ask_dark(const gather *g, uint32_t i, gather_query *q, double *direct)
+{
+    uint32_t state = random_hash(i);
+    double sum = 0;
+
+    for (uint32_t k = 0; k < CANDIDATES; k++) {
+        double light[GATHER_CHANNELS], straight[GATHER_CHANNELS], weight;
+        gather_query candidate;
+
+        ask_point(g, i * CANDIDATES + k, 100, &candidate, light);
+        memcpy(straight, light, sizeof straight);
+        emitters_at(&g->emitters, candidate.stand.x, candidate.stand.normal,
+                    candidate.stand.surface, straight);
+        weight = 1 / gather_expected(g, &candidate.stand, straight);
+        sum += weight;
+        if (random_next(&state) * sum > weight)
+            continue;
+        *q = candidate;
+        memcpy(direct, light, sizeof light);
+    }
 }
 
 /* A patch of a surface drawn by area, and about what is direct there. */
@@ -78,10 +100,12 @@ static void verify_task(void *arg, size_t i)
     gather_query q;
 
     memset(v, 0, sizeof *v);
-    if (job->groups)
+    if (!job->groups)
+        ask_patch(g, (uint32_t)i, &q, first);
+    else if (i < job->by_area)
         ask_point(g, (uint32_t)i, 99, &q, first);
     else
-        ask_patch(g, (uint32_t)i, &q, first);
+        ask_dark(g, (uint32_t)(i - job->by_area), &q, first);
     memcpy(second, first, sizeof second);
     q.stop *= q.share_effort ? 2 : sqrt(2); /* half the usual effort for each */
     q.groups = job->groups;
@@ -90,7 +114,7 @@ static void verify_task(void *arg, size_t i)
     q.seed = random_hash(q.seed + 77);
     v->rays += gather_answer(g, &q, second, NULL);
     v->lit = mean_of(g, first) + mean_of(g, second) > 0;
-    scale = fmax(0.5 * (mean_of(g, first) + mean_of(g, second)), dark_share * g->mean);
+    scale = fmax(0.5 * (mean_of(g, first) + mean_of(g, second)), GATHER_DARK * g->mean);
     v->noise = v->lit ? (mean_of(g, first) - mean_of(g, second)) / scale : 0;
     for (int k = 0; k < GATHER_GROUPS; k++)
         v->group[k] /= v->lit ? scale : 1;
@@ -213,7 +237,7 @@ static int find_group_errors(gather *g, survey *job)
             if (p->leaf != gather_none)
                 p->verdict.group[k] =
                     (mean_of_field(g, p, error) - mean_of_field(g, p, g->groups[k])) /
-                    fmax(p->value, dark_share * g->mean);
+                    fmax(p->value, GATHER_DARK * g->mean);
         }
         memcpy(g->groups[k], error, n * sizeof *error);
     }
@@ -260,16 +284,21 @@ int gather_judge_field(gather *g, gather_errors *out)
 
 /* ---- answers ---- */
 
-/* Answers and judges n places or patches. */
-static int verify(gather *g, double *const *groups, size_t n, gather_errors *out)
+/* Answers and judges n places or patches, and as many more places where it is dark for their
+ * largest error. */
+static int verify(gather *g, double *const *groups, size_t n, size_t dark, gather_errors *out)
 {
-    verdict *verdicts = lcor_internal_alloc(g->allocator, n * sizeof *verdicts);
-    verification job = {g, verdicts, groups};
-    const int ok = verdicts && gather_each(g, n, verify_task, &job);
+    verdict *verdicts = lcor_internal_alloc(g->allocator, (n + dark) * sizeof *verdicts);
+    verification job = {g, verdicts, groups, n};
+    const int ok = verdicts && gather_each(g, n + dark, verify_task, &job);
+    gather_errors worst;
 
-    if (ok)
+    if (ok) {
         summarise(verdicts, n, out);
-    for (size_t i = 0; ok && i < n; i++)
+        summarise(verdicts + n, dark, &worst);
+        out->max = fmax(out->max, worst.max);
+    }
+    for (size_t i = 0; ok && i < n + dark; i++)
         g->rays += verdicts[i].rays;
     lcor_internal_free(g->allocator, verdicts);
     return ok;
@@ -277,13 +306,13 @@ static int verify(gather *g, double *const *groups, size_t n, gather_errors *out
 
 int gather_estimate(gather *g, size_t n, gather_errors *out)
 {
-    return verify(g, g->groups, n, out);
+    return verify(g, g->groups, n, g->solution->options.norm == LCOR_NORM_MAX ? n / 2 : 0, out);
 }
 
 int gather_patch_noise(gather *g, size_t n, double *noise)
 {
     gather_errors errors;
-    const int ok = verify(g, NULL, n, &errors);
+    const int ok = verify(g, NULL, n, 0, &errors);
 
     *noise = ok ? errors.noise : 0;
     return ok;

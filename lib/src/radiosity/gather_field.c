@@ -9,14 +9,17 @@
 #include <math.h>
 #include <string.h>
 
-enum { ITERATIONS_MAX = 60, RAYS_PER_TERM = 4 };
+enum { ITERATIONS_MAX = 60, RAYS_PER_TERM = 4, DARK_PLACES = 8 };
 
-/* Half sizes, in mean ray lengths, below which a leaf's polynomial is constant or linear. */
+/* Half sizes, in mean ray lengths and less where it is dark, below which a leaf's polynomial is
+ * constant or linear. */
 static const double constant_below = 0.05, linear_below = 0.4;
 /* Ridge of the least squares, against few rays in a corner of a leaf. */
 static const double ridge = 0.004;
 /* Least and most rays of a leaf, of the average. */
 static const double rays_least = 0.25, rays_most = 4;
+/* Least where a promise holds everywhere. */
+static const double rays_uniform = 64;
 /* Least average whatever the limits. */
 static const double rays_fewest = 8;
 /* The solver's part of the tolerance. */
@@ -81,7 +84,7 @@ double gather_sample_value(const gather *g, const gather_sample *sample, const d
 
 static int degree_terms(const gather_leaf *l)
 {
-    const double size = fmax(l->half[0], l->half[1]) / l->ray_length;
+    const double size = fmax(l->half[0], l->half[1]) / (l->ray_length * sqrt(l->brightness));
     const size_t most = l->record_count / RAYS_PER_TERM;
 
     if (size < constant_below || most < 3)
@@ -89,12 +92,12 @@ static int degree_terms(const gather_leaf *l)
     return size < linear_below || most < GATHER_TERMS ? 3 : GATHER_TERMS;
 }
 
-/* Rays of a leaf that time and memory allow. */
+/* Rays of a leaf, on average, that time and memory allow. */
 static double rays_allowed(const gather *g, size_t leaves)
 {
     const uint64_t most = g->solution->options.max_bytes;
     const double record = sizeof(gather_record) + 2 * (double)g->channels * sizeof(float);
-    double rays = fmin(g->effort.rays, 0.25 * gather_rays_left(g) / (double)leaves);
+    double rays = 0.25 * gather_rays_left(g) / (double)leaves;
 
     if (most > 0)
         rays =
@@ -178,15 +181,16 @@ static double number_leaves(gather *g)
 static int plan_records(gather *g)
 {
     const double area = number_leaves(g), leaves = (double)g->slots;
-    const double rays = rays_allowed(g, g->slots + 1);
+    const double allowed = rays_allowed(g, g->slots + 1), rays = fmin(g->effort.rays, allowed);
+    const double least = g->effort.share ? 0 : fmin(rays_uniform, allowed);
     record_store old = take_store(g);
     size_t count = 0;
     int ok;
 
     for (size_t i = 0; i < g->leaves.count; i++) {
         gather_leaf *l = gather_leaf_at(g, i);
-        const double share = area > 0 && g->effort.share ? sqrt(l->area) * leaves / area : 1;
-        const size_t wanted = (size_t)(rays * fmin(fmax(share, rays_least), rays_most));
+        const double share = area > 0 ? sqrt(l->area) * leaves / area : 1;
+        const size_t wanted = (size_t)fmax(rays * fmin(fmax(share, rays_least), rays_most), least);
 
         if (l->terms == 0)
             continue;
@@ -472,6 +476,32 @@ void gather_residuals(const gather *g, double *const groups[GATHER_GROUPS])
     residuals job = {g, groups};
 
     engine_run(g->solution, g->leaves.count, residual_task, &job);
+}
+
+/* The darkest of a few places: a leaf that reaches from the light into the dark is to be split. */
+static void brightness_task(void *arg, size_t i)
+{
+    gather *g = arg;
+    gather_leaf *l = gather_leaf_at(g, i);
+    double least = g->mean;
+
+    for (uint32_t k = 0; k < DARK_PLACES && l->terms > 0; k++) {
+        double random[2], at[2], straight[GATHER_CHANNELS] = {0}, sum = 0;
+        gather_stand stand;
+
+        sobol_point(&g->sobol, k, random_hash((uint32_t)i), 0, 2, random);
+        gather_leaf_stand(g, l, random[0], random[1], at, &stand);
+        gather_straight(g, stand.x, stand.normal, stand.surface, straight);
+        for (int c = 0; c < g->channels; c++)
+            sum += straight[c] + evaluate(g, l, g->field, at, c);
+        least = fmin(least, sum / g->channels);
+    }
+    l->brightness = fmax(least / g->mean, GATHER_DARK);
+}
+
+int gather_find_dark(gather *g)
+{
+    return g->mean > 0 ? gather_each(g, g->leaves.count, brightness_task, g) : 1;
 }
 
 int gather_solve_field(gather *g)

@@ -9,8 +9,6 @@
 
 enum { RAYS_FIRST = 16, DOUBLINGS_MAX = 16, DOUBLINGS_USED = 3, RAYS_USUAL = 256, PILOTS = 32 };
 
-/* Errors are relative to the irradiance, or to this part of the scene's mean where it is dark. */
-static const double dark_share = 0.02;
 /* Light that no ray has met yet, through a slit say: as if the next one met so much of the mean. */
 static const double unmet_share = 0.5;
 
@@ -38,8 +36,7 @@ void gather_query_point(const gather *g, const double x[3], const double normal[
     vec_copy(at, q->stand.x);
 }
 
-/* What the irradiance may be, to judge whether guiding pays. */
-static double expected_at(const gather *g, const gather_stand *stand, const double *direct)
+double gather_expected(const gather *g, const gather_stand *stand, const double *direct)
 {
     double at[2], sum = 0;
     uint32_t leaf;
@@ -52,7 +49,7 @@ static double expected_at(const gather *g, const gather_stand *stand, const doub
     for (int c = 0; c < g->channels; c++)
         sum += leaf == gather_none ? g->mean / g->channels
                                    : gather_field_at(g, g->field, leaf, at, c) / g->channels;
-    return fmax(sum, dark_share * g->mean);
+    return fmax(sum, GATHER_DARK * g->mean);
 }
 
 /* Sums over the rays of an answer. */
@@ -142,7 +139,7 @@ uint64_t gather_answer(const gather *g, const gather_query *q, double *total, do
         return 0;
     if (!q->average)
         emitters_at(&g->emitters, q->stand.x, q->stand.normal, q->stand.surface, total);
-    if (guide_look(g, q->stand.x, q->stand.normal, expected_at(g, &q->stand, total), GUIDE_FINE,
+    if (guide_look(g, q->stand.x, q->stand.normal, gather_expected(g, &q->stand, total), GUIDE_FINE,
                    &view) &&
         look_out(g, q, &view, &s))
         guided = &view;
@@ -158,7 +155,7 @@ uint64_t gather_answer(const gather *g, const gather_query *q, double *total, do
             scale += total[c] + means[steps][c];
         }
         steps++;
-        allowed = q->stop * fmax(scale, dark_share * g->mean * g->channels);
+        allowed = q->stop * fmax(scale, GATHER_DARK * g->mean * g->channels);
         if (q->share_effort)
             allowed *= sqrt((double)count / RAYS_USUAL);
         unmet = unmet_share * g->mean * g->channels / (double)count;

@@ -61,6 +61,7 @@ static uint32_t add_leaf(gather *g, uint32_t side, size_t first_piece)
     l->node = (int32_t)g->nodes.count++;
     l->terms = 1;
     l->ray_length = g->scene->diameter;
+    l->brightness = 1;
     l->first_piece = first_piece;
     l->piece_count = g->pieces.count - first_piece;
     *n = (gather_node){0, 0, {-1, -1}, (int32_t)g->leaves.count};
@@ -175,6 +176,7 @@ static int split(gather *g, uint32_t leaf)
     const double at = l->centre[axis];
     const size_t node = (size_t)l->node;
     const uint32_t hits = l->hits;
+    const double brightness = l->brightness;
     uint32_t part[2];
     int32_t child[2];
 
@@ -185,8 +187,10 @@ static int split(gather *g, uint32_t leaf)
     for (int i = 0; i < 2; i++) /* an empty half's places belong to the other */
         child[i] = gather_leaf_at(g, part[part[i] == gather_none ? 1 - i : i])->node;
     for (int i = 0; i < 2; i++)
-        if (part[i] != gather_none)
+        if (part[i] != gather_none) {
             gather_leaf_at(g, part[i])->hits = hits / 2;
+            gather_leaf_at(g, part[i])->brightness = brightness;
+        }
     *node_at(g, node) = (gather_node){axis, at, {child[0], child[1]}, -1};
     gather_leaf_at(g, leaf)->terms = 0;
     return 1;
@@ -394,6 +398,13 @@ static int activate(gather *g)
     return 1;
 }
 
+/* How small a leaf must be. What is dark is lit by what is dark as well, and errs by a larger part
+ * of what it has. */
+static double size_wanted(const gather *g, const gather_leaf *l)
+{
+    return g->effort.leaf_size * l->ray_length * sqrt(l->brightness);
+}
+
 /* Splits leaves until they are small against the rays' length. */
 static int refine(gather *g)
 {
@@ -410,7 +421,7 @@ static int refine(gather *g)
             const gather_leaf *l = gather_leaf_at(g, judged);
             const double half = fmax(l->half[0], l->half[1]);
 
-            if (l->terms > 0 && half > g->effort.leaf_size * l->ray_length && half > least &&
+            if (l->terms > 0 && half > size_wanted(g, l) && half > least &&
                 (double)l->hits > hits && !split(g, (uint32_t)judged))
                 return 0;
         }
