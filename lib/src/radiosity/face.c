@@ -139,7 +139,7 @@ static void cut_along(const lcor_scene *scene, const scene_surface *s, int two_s
 {
     const double touch = SCENE_TOUCH * scene->diameter;
     const double *p = scene_corners(scene, t);
-    double height[CORNERS_MAX], on[2][3], above = -2 * touch;
+    double height[CORNERS_MAX], on[2][3], above = -2 * touch, apart = 0;
     int crossings = 0;
 
     for (size_t i = 0; i < t->corner_count; i++) {
@@ -148,8 +148,9 @@ static void cut_along(const lcor_scene *scene, const scene_surface *s, int two_s
         vec_sub(p + 3 * i, s->origin, d);
         height[i] = vec_dot(d, s->normal);
         above = fmax(above, two_sided ? fabs(height[i]) : height[i]);
+        apart = fmax(apart, fabs(height[i]));
     }
-    if (above <= -touch)
+    if (above <= -touch || (scene->convex && apart > touch))
         return;
     for (size_t i = 0; i < t->corner_count; i++) {
         const size_t j = (i + 1) % t->corner_count;
@@ -335,7 +336,7 @@ static int build_shape(const builder *b, uint32_t id, const scene_surface *s, ui
 
     b->pieces[0].n = s->corner_count;
     memcpy(b->pieces[0].p, scene_corners(scene, s), s->corner_count * sizeof b->pieces[0].p[0]);
-    for (size_t j = 0; j < scene->shapes.count && !scene->convex; j++) {
+    for (size_t j = 0; j < scene->shapes.count; j++) {
         const uint32_t other = ((const uint32_t *)scene->shapes.items)[j];
 
         if (other != id)
@@ -396,6 +397,48 @@ static int build_sheet(const builder *b, uint32_t id, const scene_sheet *sheet, 
     return 1;
 }
 
+/* Of two faces on each other the smaller surface's is seen: a carpet, a lamp in a ceiling. */
+static int is_above(const lcor_scene *scene, const face *a, const face *b)
+{
+    const double area = scene_surface_at(scene, a->surface)->area;
+    const double other = scene_surface_at(scene, b->surface)->area;
+
+    return area < other || (!(other < area) && a->surface < b->surface);
+}
+
+/* Faces are cut where others end on them, so the middle tells for all of a face. */
+static int lies_on(const face *a, const face *b, double touch)
+{
+    double x[3], d[3], s, t;
+
+    if (vec_dot(a->normal, b->normal) < 1 - snap)
+        return 0;
+    face_point(b, b->triangle ? 2.0 / 3 : 0.5, 0.5, x);
+    vec_sub(x, a->origin, d);
+    if (fabs(vec_dot(d, a->normal)) > touch)
+        return 0;
+    face_coordinates(a, x, &s, &t);
+    return s > 0 && s < 1 && t > 0 && t < 1;
+}
+
+static void mark_covered(const lcor_scene *scene, face *faces, size_t count)
+{
+    const double touch = SCENE_TOUCH * scene->diameter;
+
+    for (size_t i = 0; i < count; i++)
+        for (size_t j = 0; j < count && !faces[i].covered; j++)
+            faces[i].covered = faces[j].surface != faces[i].surface &&
+                               lies_on(&faces[j], &faces[i], touch) &&
+                               is_above(scene, &faces[j], &faces[i]);
+}
+
+const lcor_surface *face_look(const lcor_scene *scene, const face *f)
+{
+    static const lcor_surface dark = {0};
+
+    return f->covered ? &dark : &scene_surface_at(scene, f->surface)->look;
+}
+
 int face_build(const lcor_scene *scene, const lcor_allocator *allocator, lcor_array *faces,
                face_range *sides)
 {
@@ -412,6 +455,8 @@ int face_build(const lcor_scene *scene, const lcor_allocator *allocator, lcor_ar
         good = sheet ? build_sheet(&b, id, sheet, sides)
                      : build_shape(&b, id, s, id, patch_size(s), sides + 2 * (size_t)id);
     }
+    if (good)
+        mark_covered(scene, faces->items, faces->count);
     lcor_array_clear(allocator, &scratch);
     return good;
 }

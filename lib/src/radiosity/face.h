@@ -18,6 +18,7 @@ typedef struct face {
     int triangle;
     uint32_t surface; /* of a sheet: the first one */
     int back;         /* 1: the side away from the surface's normal */
+    int covered;      /* 1: another one that faces the same way lies on it */
     double patch;     /* shorter edge of the surface's patches */
     double finest;    /* elements are not split below this edge length */
     int32_t root;     /* element */
@@ -38,6 +39,9 @@ typedef struct face_range {
  * surface i, side b, at 2 i + b. */
 int face_build(const lcor_scene *scene, const lcor_allocator *allocator, lcor_array *faces,
                face_range *sides);
+
+/* How it meets light: black and dark where it is covered, so that no place sends twice. */
+const lcor_surface *face_look(const lcor_scene *scene, const face *f);
 
 /* Whether they would be the same after looks have changed. */
 int face_still_holds(const lcor_scene *scene, const face_range *sides);

@@ -195,7 +195,7 @@ static void leaf_source(const links *l, size_t element)
 {
     links_element *e = links_at(l, element);
     const face *f = links_face_of(l, e);
-    const lcor_surface *look = &scene_surface_at(l->scene, f->surface)->look;
+    const lcor_surface *look = face_look(l->scene, f);
     const size_t lights = l->scene->lights.count;
     double *out = links_values(l, &l->source, element);
     double area[RULE_Q], weights[RULE_Q];
@@ -215,7 +215,7 @@ static void leaf_source(const links *l, size_t element)
         moments m;
         double flux;
 
-        if (shadow->dark)
+        if (shadow->dark || f->covered)
             continue;
         moments_aim(&m, l->scene, light, f, (const uint32_t *)l->occluders.items + shadow->first,
                     shadow->count, light_accuracy);

@@ -15,7 +15,7 @@ static const double dark_share = 0.1;
 static void reflect(links *l, size_t element, const double *irradiance, int with_source)
 {
     const links_element *e = links_at(l, element);
-    const lcor_surface *look = &scene_surface_at(l->scene, links_face_of(l, e)->surface)->look;
+    const lcor_surface *look = face_look(l->scene, links_face_of(l, e));
     const double *source = links_values(l, &l->source, element);
     double *out = links_values(l, &l->radiosity, element);
 

@@ -67,7 +67,7 @@ static void look_at_light(const links *l, links_element *e)
 static void set_look(links *l, links_element *e)
 {
     const face *f = links_face_of(l, e);
-    const lcor_surface *look = &scene_surface_at(l->scene, f->surface)->look;
+    const lcor_surface *look = face_look(l->scene, f);
     double rho = 0, emission = 0;
 
     for (int c = 0; c < l->channels; c++) {
@@ -245,7 +245,7 @@ static void guess_ambient(links *l)
 
     for (size_t f = 0; f < l->faces.count; f++) {
         const face *at = (const face *)l->faces.items + f;
-        const lcor_surface *look = &scene_surface_at(l->scene, at->surface)->look;
+        const lcor_surface *look = face_look(l->scene, at);
         const cell all = {0, 0, 1, 1};
         const double a = face_cell_area(at, &all);
 
