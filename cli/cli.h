@@ -91,6 +91,7 @@ void print_json(Json document);
 std::optional<double> parse_number(const std::string &text); /* finite, the whole text */
 std::string number_text(double value);                       /* shortest that reads back equal */
 std::string short_text(double value);                        /* four digits, to be read by people */
+std::string counted(size_t count, const char *noun);         /* "1 patch", "2 patches" */
 std::vector<std::string> split(const std::string &text, char separator);
 /* "1,2,3" as exactly `count` finite numbers; Exit::usage names `what` otherwise. */
 std::vector<double> parse_numbers(const std::string &text, size_t count, const std::string &what);
@@ -229,7 +230,8 @@ class Threads
     std::unique_ptr<Pool> pool_;
 };
 
-/* Exit::input if `what` needs more bytes than this machine has memory; `advice` says what to do. */
+/* Exit::input if `what` needs more bytes of memory than the machine has or lets the process use;
+ * `advice` says what to do. */
 void check_memory(double bytes, const std::string &what, const char *advice);
 
 /* ---- files ---- */

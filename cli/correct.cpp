@@ -345,9 +345,9 @@ void Corrector::correct()
         stats_.non_finite += stats.non_finite;
     });
     if (stats_.non_finite > 0)
-        warn("%llu pixels of '%s' are negative or no numbers and come out black; the first at row "
+        warn("'%s': pixels that are negative or no numbers come out black: %llu, the first at row "
              "%llu, column %llu",
-             static_cast<unsigned long long>(stats_.non_finite), job_.texture.c_str(),
+             job_.texture.c_str(), static_cast<unsigned long long>(stats_.non_finite),
              static_cast<unsigned long long>(stats_.first_bad_row),
              static_cast<unsigned long long>(stats_.first_bad_pixel));
 }

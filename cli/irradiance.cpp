@@ -120,8 +120,8 @@ Points read_points(const std::string &path)
     for (size_t i = 0; i < points.lines.size(); i++) {
         const std::vector<std::string> cells = cells_of(points.lines[i]);
         if (cells.size() != width)
-            fail(Exit::input, "'%s' line %zu: %zu columns instead of %zu", path.c_str(), i + first,
-                 cells.size(), width);
+            fail(Exit::input, "'%s' line %zu: %s instead of %zu", path.c_str(), i + first,
+                 counted(cells.size(), "column").c_str(), width);
         double n[6];
         for (size_t k = 0; k < 6; k++) {
             const std::optional<double> value = parse_number(trimmed(cells[columns[k]]));
@@ -269,13 +269,13 @@ Exit run_irradiance(const Arguments &arguments)
     if (!points_path.empty()) {
         write_file(output, points_table(scene, solution.get(), points));
         report["points"] = points.lines.size();
-        say("%s: illuminance at %zu points", output.c_str(), points.lines.size());
+        say("%s: illuminance at %s", output.c_str(), counted(points.lines.size(), "point").c_str());
     }
     if (!patches_path.empty()) {
         size_t count = 0;
         write_file(patches_path, patches_table(scene, solution.get(), &count));
         report["patches"] = count;
-        say("%s: illuminance of %zu patches", patches_path.c_str(), count);
+        say("%s: illuminance of %s", patches_path.c_str(), counted(count, "patch").c_str());
     }
     say_engine(solution.get());
     if (!report_path.empty())

@@ -37,6 +37,13 @@ std::string short_text(double value)
     return error == std::errc() ? std::string(buffer, end) : std::string();
 }
 
+std::string counted(size_t count, const char *noun)
+{
+    const std::string one = noun;
+    const bool hisses = one.size() > 2 && one.compare(one.size() - 2, 2, "ch") == 0;
+    return format("%zu %s%s", count, noun, count == 1 ? "" : hisses ? "es" : "s");
+}
+
 std::vector<std::string> split(const std::string &text, char separator)
 {
     std::vector<std::string> parts;

@@ -24,7 +24,7 @@ Picture::Picture(const Scene &scene, const lcor_solution *solution, const lcor_c
 {
     std::vector<unsigned char> cull;
     for (const SurfaceInfo &surface : scene.surfaces)
-        cull.push_back(!scene.materials[surface.material].double_sided);
+        cull.push_back(surface.back_to_back || !scene.materials[surface.material].double_sided);
     lcor_view_options view_options = {};
     view_options.struct_size = sizeof view_options;
     view_options.cull_back = cull.data();
@@ -82,7 +82,8 @@ void Picture::prepare_surfaces()
                 surface.colour[k][c] = info.colour[k][c] * material.colour[c];
         double normal[3];
         const bool front = lcor_view_normal(view_.get(), i, normal) != 0;
-        for (size_t c = 0; c < 3 && (front || material.double_sided); c++)
+        const bool shines = front || (material.double_sided && !info.back_to_back);
+        for (size_t c = 0; c < 3 && shines; c++)
             surface.emission[c] = pi * material.emission[c];
         surface.emits = surface.emission[0] + surface.emission[1] + surface.emission[2] > 0.0;
         surface.ratio =

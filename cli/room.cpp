@@ -242,8 +242,8 @@ Exit run_room(const Arguments &arguments)
     room.measured = options.given("--reflectance");
     const std::string bytes = make_room(room);
     write_file(room.output, bytes);
-    say("%s: the paper's room, %d x %d patches a face, %zu textures", room.output.c_str(),
-        room.patches, room.patches, room.textures.size());
+    say("%s: the paper's room, %d x %d patches a face, %s", room.output.c_str(), room.patches,
+        room.patches, counted(room.textures.size(), "texture").c_str());
     print_json({{"output", room.output}, {"bytes", bytes.size()}, {"patches", room.patches}});
     return Exit::ok;
 }

@@ -98,14 +98,18 @@ class Builder
     void add_surfaces()
     {
         out_.triangles = contents_.triangles.size();
-        const std::vector<Shape> shapes = make_shapes(contents_, name_, &out_.dropped);
+        std::vector<Shape> shapes = make_shapes(contents_, name_, &out_.dropped);
         contents_.triangles = {};
         if (out_.dropped > 0)
-            warn("scene '%s': %zu of %zu triangles have no area and are left out", name_.c_str(),
+            warn("scene '%s': triangles without area are left out: %zu of %zu", name_.c_str(),
                  out_.dropped, out_.triangles);
         if (shapes.empty())
             fail(Exit::input, "scene '%s' has no surface; does its default scene hold a mesh?",
                  name_.c_str());
+        const size_t twins = settle_twins(shapes);
+        if (twins > 0)
+            warn("scene '%s': surfaces that lie exactly on another one are left out: %zu",
+                 name_.c_str(), twins);
         const std::vector<Look> looks = measure(shapes);
         out_.surfaces.reserve(shapes.size());
         for (size_t i = 0; i < shapes.size(); i++)
@@ -194,7 +198,8 @@ class Builder
         info.reflectance = luminance_of(out_.colour, surface.reflectance);
         to_channels(look.shines.data(), surface.emission);
         out_.emitters += *std::max_element(surface.emission, surface.emission + 3) > 0.0 ? 1 : 0;
-        surface.two_sided = !options_.one_sided || material.double_sided;
+        info.back_to_back = shape.back_to_back;
+        surface.two_sided = !shape.back_to_back && (!options_.one_sided || material.double_sided);
         for (size_t k = 0; k < 2; k++)
             surface.patches[k] = options_.patches > 0 ? static_cast<size_t>(options_.patches)
                                                       : std::max<size_t>(group.patches[k], 1);
@@ -241,8 +246,9 @@ class Builder
         for (const std::string &feature : contents_.unsupported)
             warn("scene '%s': not supported: %s", name_.c_str(), feature.c_str());
         if (full_ > 0)
-            warn("scene '%s': reflectance 1 is taken as %s on %zu surfaces (first: %s)",
-                 name_.c_str(), number_text(fullest).c_str(), full_, first_full_.c_str());
+            warn("scene '%s': reflectance 1 is taken as %s on %s (first: %s)", name_.c_str(),
+                 number_text(fullest).c_str(), counted(full_, "surface").c_str(),
+                 first_full_.c_str());
         if (options_.need_light && !out_.lit())
             fail(Exit::input, "scene '%s' has no light; add one with --light x,y,z,I (candela)",
                  name_.c_str());
@@ -291,7 +297,7 @@ void check_triangles(size_t count, const std::string &name)
 {
     constexpr double bytes = 1700.0; /* measured; with what a renderer needs besides */
     check_memory(bytes * static_cast<double>(count),
-                 format("scene '%s' of %zu triangles", name.c_str(), count),
+                 format("scene '%s' of %s", name.c_str(), counted(count, "triangle").c_str()),
                  "give its meshes fewer, or place them less often");
 }
 

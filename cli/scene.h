@@ -65,6 +65,7 @@ struct SurfaceInfo {
     bool quad;                     /* else a triangle */
     std::array<size_t, 2> patches; /* grid; a triangle's two are equal */
     size_t group;                  /* index into Scene::groups */
+    bool back_to_back;             /* one side of a wall whose other side is another surface */
 };
 
 struct SceneCamera {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 #include <unordered_map>
 
@@ -208,6 +209,47 @@ std::vector<Shape> make_shapes(const Contents &contents, const std::string &name
                  triangles[i].group});
     }
     return shapes;
+}
+
+size_t settle_twins(std::vector<Shape> &shapes)
+{
+    using Corners = std::array<uint32_t, 4>;
+    Places places;
+    std::vector<std::pair<Corners, size_t>> order;
+    order.reserve(shapes.size());
+    for (size_t i = 0; i < shapes.size(); i++) {
+        Corners corners{0, 0, 0, std::numeric_limits<uint32_t>::max()};
+        for (size_t k = 0; k < (shapes[i].quad ? 4U : 3U); k++)
+            corners[k] = places.number(shapes[i].corner[k].position);
+        std::sort(corners.begin(), corners.end());
+        order.emplace_back(corners, i);
+    }
+    std::sort(order.begin(), order.end());
+    const auto normal = [](const Shape &shape) {
+        return cross(shape.corner[1].position - shape.corner[0].position,
+                     shape.corner[2].position - shape.corner[0].position);
+    };
+    std::vector<bool> left_out(shapes.size());
+    size_t count = 0;
+    for (size_t start = 0, i = 1; i < order.size(); i++) {
+        if (order[i].first != order[start].first) {
+            start = i;
+            continue;
+        }
+        Shape &front = shapes[order[start].second], &twin = shapes[order[i].second];
+        if (dot(normal(front), normal(twin)) < 0.0 && !front.back_to_back) {
+            front.back_to_back = twin.back_to_back = true;
+        } else {
+            left_out[order[i].second] = true;
+            count++;
+        }
+    }
+    size_t kept = 0;
+    for (size_t i = 0; i < shapes.size(); i++)
+        if (!left_out[i])
+            shapes[kept++] = shapes[i];
+    shapes.resize(kept);
+    return count;
 }
 
 } // namespace cli

@@ -13,12 +13,17 @@ struct Shape {
     std::array<Vertex, 4> corner;
     bool quad;
     size_t group;
+    bool back_to_back = false; /* another one with the same corners faces the other way */
 };
 
 /* Pairs of triangles that lie in one plane, share an edge, texture coordinates and colours, and
  * make a parallelogram become one; the most rectangular pairs first. Triangles without area are
  * left out and counted. Exit::input for coordinates that are no numbers. */
 std::vector<Shape> make_shapes(const Contents &contents, const std::string &name, size_t *dropped);
+
+/* Shapes with the same corners are one wall: of those that face the same way the first stays, how
+ * many are left out is returned; two that face opposite ways are its sides. */
+size_t settle_twins(std::vector<Shape> &shapes);
 
 /* Area means of what is drawn on a surface, linear RGB. */
 class TextureMeans

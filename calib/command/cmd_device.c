@@ -108,7 +108,7 @@ static int compare(const instrument *in, const char *path)
     free(text);
     if (changes == 0)
         return LCCAL_OK;
-    return lccal_fail(LCCAL_VERIFY_FAILED, "the instrument is not as it was in '%s': %zu changes",
+    return lccal_fail(LCCAL_VERIFY_FAILED, "the instrument is not as it was in '%s'; changes: %zu",
                       path, changes);
 }
 

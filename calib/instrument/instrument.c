@@ -115,13 +115,14 @@ static bool holds_text(const instrument *in)
 static cal_status fail_unheard(const instrument *in, int timeout_ms, cal_error *err)
 {
     if (in->noise == 0)
-        return cal_fail(err, CAL_TIMEOUT,
-                        "'%s' sent nothing within %d s; press the button of %s on the patch, or "
-                        "give yourself more time with --timeout",
-                        in->port->name, (timeout_ms + 999) / 1000, in->driver->title);
+        return cal_fail(
+            err, CAL_TIMEOUT,
+            "'%s' sent nothing within %d s; press the instrument's button on the patch, or "
+            "give yourself more time with --timeout",
+            in->port->name, (timeout_ms + 999) / 1000);
     return cal_fail(err, CAL_PROTOCOL,
-                    "'%s' sends text (%u times) but no reading of %s; is --instrument right?",
-                    in->port->name, in->noise, in->driver->title);
+                    "'%s' sends text (lines: %u) but no reading; is --instrument right?",
+                    in->port->name, in->noise);
 }
 
 cal_status instrument_listen(instrument *in, int timeout_ms, reading *out, cal_error *err)

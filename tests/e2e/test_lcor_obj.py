@@ -101,7 +101,8 @@ def test_dented_polygons_keep_their_area(tmp_path, corners):
 
 
 def test_a_dart_is_cut_at_its_dent(tmp_path):
-    obj = save(tmp_path, "v 0 0 0\nv 2 0 0\nv 0.5 0.5 0\nv 0 2 0\nf 1 2 3 4\nf 2 3 4 1\n")
+    darts = "".join(f"v 0 0 {z}\nv 2 0 {z}\nv 0.5 0.5 {z}\nv 0 2 {z}\n" for z in (0, 1))
+    obj = save(tmp_path, darts + "f 1 2 3 4\nf 6 7 8 5\n")
     assert report("info", obj)["area"] == pytest.approx(2 * 1.0)
 
 

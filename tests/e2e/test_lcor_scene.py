@@ -317,7 +317,26 @@ def test_triangles_without_area_are_counted(tmp_path):
     )
     run = good("info", save(tmp_path, scene), "--json")
     assert report("info", tmp_path / "s.glb")["triangles_without_area"] == 2
-    assert "2 of 4 triangles have no area" in run.stderr
+    assert "triangles without area are left out: 2 of 4" in run.stderr
+
+
+def test_surfaces_with_the_same_corners_are_one_wall(tmp_path):
+    """Each of two back to back reflects on its own side; of equal ones the first does."""
+
+    def between_plates(*twins):
+        scene = Scene()
+        grey, light = scene.material((0.7, 0.7, 0.7)), scene.material((0.9, 0.9, 0.9))
+        for z in (0, 0.3):
+            scene.node(mesh=scene.quad(material=grey), translation=[0, 0, z])
+        for twin in twins:
+            scene.node(mesh=scene.quad([QUAD[k] for k in twin], material=light))
+        scene.light({"type": "point", "intensity": 8.0}, translation=[0.5, 0.5, 0.2])
+        rows, said = at(tmp_path, save(tmp_path, scene), [(0.3, 0.4, 0, 0, 0, 1)])
+        return rows[0]["E_total"], "on another one are left out: 1" in said
+
+    alone, _ = between_plates()
+    for twins, left_out in (((3, 2, 1, 0),), False), (((0, 1, 2, 3), (2, 1, 0, 3)), True):
+        assert between_plates(*twins) == (pytest.approx(alone, rel=0.01), left_out)
 
 
 @pytest.mark.parametrize("mode, triangles", [(4, 1), (5, 2), (6, 2)])
@@ -412,7 +431,7 @@ def test_broken_texture_is_a_warning_and_the_factor_stays(tmp_path):
         0.3,
         1,
     ]
-    scene.node(mesh=scene.quad(material=material))
+    scene.node(mesh=scene.quad(material=material), translation=[0, 0, 1])
     run = good("info", save(tmp_path, scene), "--json")
     assert "neither JPEG, PNG nor WebP" in run.stderr
     assert reflectance(tmp_path / "s.glb") == pytest.approx(0.4, rel=1e-6)
