@@ -173,10 +173,13 @@ void convert_materials(const ModelFile &file, Contents &contents, Threads &threa
     }
     std::vector<std::string> problems;
     decode(file, wanted, contents, threads, problems);
-    for (size_t i = 0; i < problems.size(); i++)
+    for (size_t i = 0; i < problems.size(); i++) {
+        const std::string where =
+            format("scene '%s', texture picture %d", file.name.c_str(), wanted[i]);
         if (!problems[i].empty())
-            warn("scene '%s', texture picture %d: %s; drawn in its factor's colour alone",
-                 file.name.c_str(), wanted[i], problems[i].c_str());
+            warn("%s: %s; drawn in its factor's colour alone", where.c_str(), problems[i].c_str());
+        warn_of_others(where, contents.images[i].pictures);
+    }
 
     const auto link = [&](int &texture) {
         if (texture < 0)

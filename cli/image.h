@@ -19,6 +19,7 @@ struct Image {
     lcor_sample type = LCOR_U8; /* LCOR_U8, LCOR_U16 or LCOR_F32 */
     std::vector<uint8_t> bytes;
     std::string format; /* "jpeg", "png", ... */
+    int pictures = 1;   /* in the file: this one is the first */
 
     /* One stored sample, 0..1 for integers. */
     double sample(size_t x, size_t y, size_t channel) const;
@@ -28,6 +29,8 @@ struct Image {
  * messages. Exit::input when missing, broken, or of more than 2^28 pixels. */
 Image read_image(const std::string &path);
 Image decode_image(const uint8_t *bytes, size_t size, const std::string &name);
+/* Says what is left of a file that holds more than one picture. */
+void warn_of_others(const std::string &where, int pictures);
 
 } // namespace cli
 

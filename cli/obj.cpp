@@ -213,6 +213,8 @@ class ObjReader
             if (!problem.empty())
                 warn("scene '%s', a texture: %s; drawn in its material's colour alone",
                      name_.c_str(), problem.c_str());
+        for (size_t i = 0; i < files.size(); i++)
+            warn_of_others("'" + beside(files[i]) + "'", contents_.images[i].pictures);
     }
 
     void add_materials(const std::vector<ObjMaterial> &used, Threads &threads)

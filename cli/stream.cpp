@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "stream.h"
 
+#include "image.h"
+#include "open_picture.h"
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -14,30 +17,14 @@ namespace
 /* libjpeg ends the program beyond this, and OpenImageIO lets a little more pass. */
 constexpr int largest_jpeg = 65500;
 
-std::string first_line(const std::string &text)
-{
-    const std::string line = text.substr(0, text.find('\n'));
-    return line.empty() ? "not a picture OpenImageIO can read" : line;
-}
-
 } // namespace
 
-PictureReader::PictureReader(const std::string &path) : path_(path)
+PictureReader::PictureReader(const std::string &path)
+    : path_(path), input_(open_picture(path)), spec_(input_->spec())
 {
-    read_start(path, 1); /* says why a file cannot be opened, which OpenImageIO does not */
-    OIIO::ImageSpec hints;
-    hints.attribute("oiio:UnassociatedAlpha", 1);
-    input_ = OIIO::ImageInput::open(path, &hints);
-    if (!input_)
-        fail(Exit::input, "cannot read '%s': %s", path.c_str(),
-             first_line(OIIO::geterror()).c_str());
-    spec_ = input_->spec();
+    warn_of_others("'" + path + "'", count_pictures(*input_, path));
     if (spec_.alpha_channel >= spec_.nchannels)
         spec_.alpha_channel = spec_.nchannels - 1; /* OpenImageIO counts those of GIF from 1 */
-    if (spec().deep || spec().depth > 1)
-        fail(Exit::input, "'%s' is a deep or volume picture; lcor takes flat ones", path.c_str());
-    if (spec().width <= 0 || spec().height <= 0 || spec().nchannels <= 0)
-        fail(Exit::input, "'%s' has no pixels", path.c_str());
 }
 
 bool PictureReader::premultiplied() const

@@ -193,6 +193,16 @@ def test_gif_is_corrected_as_the_same_picture_in_png(tmp_path, picture, light):
     assert pixels(gif.with_suffix(".tif")) == opaque
 
 
+def test_pictures_after_the_first_of_a_file_are_counted_in_a_warning(tmp_path, picture, light):
+    options = ("--illuminance", light, "--contrast", 9, "-o", tmp_path / "out.png")
+    for name in ("parts.exr", "pages.tif", "frames.gif"):
+        several = tmp_path / name
+        oiiotool(picture, "--dup", "--dup", "--siappendall", "-o", several)
+        said = report("correct", several, *options)["warnings"]
+        assert said == [f"'{several}' holds 3 pictures; the first is taken"]
+    assert report("correct", picture, *options)["warnings"] == []
+
+
 def test_grey_pictures_stay_grey(tmp_path, light):
     grey, colour = tmp_path / "grey.png", tmp_path / "colour.png"
     levels = [0, 30, 90, 128, 200, 255]
