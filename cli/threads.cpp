@@ -6,20 +6,31 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <sys/resource.h>
 #include <thread>
 #include <unistd.h>
 
 namespace cli
 {
 
+/* Of the machine, or less where the process is held to less (`ulimit -v`). */
+static double usable_memory()
+{
+    const double machine =
+        static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    rlimit addresses{};
+    if (getrlimit(RLIMIT_AS, &addresses) != 0 || addresses.rlim_cur == RLIM_INFINITY)
+        return machine;
+    return std::min(machine, static_cast<double>(addresses.rlim_cur));
+}
+
 void check_memory(double bytes, const std::string &what, const char *advice)
 {
     constexpr double giga = 1e9;
-    const double has =
-        static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    const double has = usable_memory();
     if (bytes > has && has > 0.0)
-        fail(Exit::input, "%s needs about %.1f GB of memory and this machine has %.1f; %s",
-             what.c_str(), bytes / giga, has / giga, advice);
+        fail(Exit::input, "%s needs about %.1f GB of memory and there are %.1f; %s", what.c_str(),
+             bytes / giga, has / giga, advice);
 }
 
 /* Workers sleep between jobs; the calling thread takes part in every one. */

@@ -132,3 +132,10 @@ def test_instances_do_not_multiply_without_end(tmp_path):
 @pytest.mark.skipif(SANITIZED, reason="sanitizers take all addresses; fuzz targets run under them")
 def test_a_hundred_thousand_triangles_in_one_plane_are_taken_soon(tmp_path):
     good("info", copies(tmp_path, 5), preexec_fn=limit)
+
+
+@pytest.mark.skipif(SANITIZED, reason="sanitizers take all addresses; fuzz targets run under them")
+def test_a_scene_larger_than_memory_is_refused_before_it_is_read(tmp_path):
+    scene = copies(tmp_path, 50)
+    output = ("-o", tmp_path / "o.png", "--contrast", 9, "--light", "0.5,0.5,1,5")
+    refused(3, "render", scene, *output, says="fewer, or place", preexec_fn=limit)
