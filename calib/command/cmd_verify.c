@@ -39,12 +39,17 @@ static int verify_age(json *verdict, const lcor_profile *profile, const char *pa
         return LCCAL_OK;
     if (created < 0.0)
         return lccal_fail_as(verdict, LCCAL_VERIFY_FAILED,
-                             "'%s': its age is not known (no CREATED date)", path);
+                             "'%s': its age is not known (no CREATED date that can be read)", path);
     const double days = ((double)time(NULL) - created) / DAY;
     char text[32], limit[32];
     lccal_format_number(text, sizeof text, days, 1);
     lccal_format_number(limit, sizeof limit, max_age, 1);
     json_number(verdict, "age_days", days, 2);
+    if (days < -1.0) /* less may be a matter of time zones */
+        return lccal_fail_as(verdict, LCCAL_VERIFY_FAILED,
+                             "'%s' is from the future by this machine's clock (%s days old); set "
+                             "the clock, or measure again",
+                             path, text);
     if (days > max_age)
         return lccal_fail_as(verdict, LCCAL_VERIFY_FAILED,
                              "'%s' is %s days old, more than %s; measure again", path, text, limit);

@@ -158,6 +158,10 @@ def test_verify_knows_age(profile):
     run = lccal("verify", profile, "--max-age", "365")
     assert run.returncode == 8
     assert "days old" in run.stderr
+    dated(profile, "2999-01-01T00:00:00Z")
+    run = lccal("verify", profile, "--max-age", "365")
+    assert run.returncode == 8
+    assert "clock" in run.stderr
     dated(profile, "some day")
     assert lccal("verify", profile, "--max-age", "365").returncode == 8
 
