@@ -3,6 +3,8 @@
 
 #include <OpenImageIO/filesystem.h>
 
+#include <filesystem>
+
 namespace cli
 {
 
@@ -17,6 +19,21 @@ OIIO::ImageSpec open_hints()
     OIIO::ImageSpec hints;
     hints.attribute("oiio:UnassociatedAlpha", 1);
     return hints;
+}
+
+/* OpenImageIO takes a bilevel TIFF that leaves out how many bits a sample has for one of 8 bits,
+ * and makes up what the file does not hold. */
+void check_bits(const OIIO::ImageInput &input, const std::string &path)
+{
+    const OIIO::ImageSpec &spec = input.spec();
+    std::error_code unknown;
+    if (std::string(input.format_name()) == "tiff" && spec.nchannels == 1 &&
+        spec.get_int_attribute("tiff:Compression") == 1 &&
+        spec.get_int_attribute("oiio:BitsPerSample", 8) == 8 &&
+        std::filesystem::file_size(path, unknown) < spec.image_pixels())
+        fail(Exit::input,
+             "'%s' is shorter than its pixels; it is cut, or of 1 bit a sample without saying so",
+             path.c_str());
 }
 
 InputPointer accepted(InputPointer input, const std::string &name)
@@ -44,7 +61,9 @@ InputPointer open_picture(const std::string &path)
 {
     read_start(path, 1); /* says why a file cannot be opened, which OpenImageIO does not */
     const OIIO::ImageSpec hints = open_hints();
-    return accepted(OIIO::ImageInput::open(path, &hints), path);
+    InputPointer input = accepted(OIIO::ImageInput::open(path, &hints), path);
+    check_bits(*input, path);
+    return input;
 }
 
 InputPointer open_picture(OIIO::Filesystem::IOProxy &reader, const char *hint,

@@ -2,6 +2,7 @@
 """`lcor correct` against the equations written out here, over formats, channels and sizes."""
 
 import math
+import struct
 
 import pytest
 from gltf_scene import png
@@ -201,6 +202,19 @@ def test_pictures_after_the_first_of_a_file_are_counted_in_a_warning(tmp_path, p
         said = report("correct", several, *options)["warnings"]
         assert said == [f"'{several}' holds 3 pictures; the first is taken"]
     assert report("correct", picture, *options)["warnings"] == []
+
+
+def test_a_bilevel_tiff_that_leaves_its_bits_to_the_default_is_refused(tmp_path):
+    def tiff(*bits):
+        tags = [(256, 64), (257, 64), *bits, (259, 1), (262, 1), (273, 8), (278, 64), (279, 512)]
+        entries = b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in tags)
+        start = struct.pack("<2sHI512s", b"II", 42, 520, b"\xaa" * 512)
+        path = tmp_path / "in.tif"
+        path.write_bytes(start + struct.pack("<H", len(tags)) + entries + bytes(4))
+        return path
+
+    assert report("info", tiff((258, 1)))["reflectance"] == pytest.approx(0.5)
+    refused(3, "info", tiff(), says="1 bit a sample")
 
 
 def test_grey_pictures_stay_grey(tmp_path, light):
