@@ -262,6 +262,8 @@ Exit run_irradiance(const Arguments &arguments)
     Points points;
     if (!points_path.empty())
         points = read_points(points_path);
+    if (patches_path.empty())
+        solve_options.points = points.lines.size();
     Threads threads(thread_count);
     const Scene scene = load_scene(scene_path, scene_options, threads);
     const SolutionPointer solution = solve(scene, solve_options, threads);

@@ -114,6 +114,7 @@ struct SolveOptions {
     int norm = -1;  /* lcor_norm; -1: rms, and for pictures by links both */
     int engine = 0; /* lcor_engine */
     double max_seconds = 0.0;
+    uint64_t points = 0; /* places that will be asked for; 0: many */
 
     void declare(Options &options);
 };

@@ -2,12 +2,13 @@
 #include "scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace cli
 {
 
-constexpr const char *engine_names[] = {"auto", "links", "gather"};
+constexpr const char *engine_names[] = {"auto", "links", "gather", "paths"};
 
 void SolveOptions::declare(Options &options)
 {
@@ -16,7 +17,7 @@ void SolveOptions::declare(Options &options)
                 "relative error of illuminance to reach, default 0.01")
         .choice("--norm", {"rms", "max"}, norm,
                 "over patches: root mean square (default) or largest; pictures by links: both")
-        .choice("--engine", {"auto", "links", "gather"}, engine, "how radiosity is solved")
+        .choice("--engine", {"auto", "links", "gather", "paths"}, engine, "how radiosity is solved")
         .number("--max-seconds", "S", max_seconds,
                 "stop solving after S seconds with what there is");
 }
@@ -37,6 +38,7 @@ static SolutionPointer run(const Scene &scene, const SolveOptions &options, Thre
     settings.channels = scene.channels;
     std::copy_n(scene.colour.to_xyz + 3, 3, settings.luminance);
     settings.max_seconds = options.max_seconds;
+    settings.points = options.points;
     settings.parallel = threads.parallel();
     settings.progress = progress.callback();
     lcor_solution *solution = nullptr;
@@ -75,9 +77,13 @@ void say_engine(const lcor_solution *solution)
 {
     const lcor_radiosity_report *const report = lcor_solution_report(solution);
     const char *const name = engine_names[report->engine];
+    const std::string paths = std::isfinite(report->paths_seconds)
+                                  ? ", paths " + short_text(report->paths_seconds)
+                                  : std::string();
     if (report->engine_reason == LCOR_REASON_COST)
-        say("radiosity by engine %s; estimated seconds: links %s, gather %s", name,
-            short_text(report->links_seconds).c_str(), short_text(report->gather_seconds).c_str());
+        say("radiosity by engine %s; estimated seconds: links %s, gather %s%s", name,
+            short_text(report->links_seconds).c_str(), short_text(report->gather_seconds).c_str(),
+            paths.c_str());
     else
         say("radiosity by engine %s, %s", name, lcor_reason_text(report->engine_reason));
 }
@@ -100,7 +106,9 @@ Json report_json(const Scene &scene, const lcor_solution *solution)
             {"models", report->models},
             {"engine_reason", lcor_reason_text(report->engine_reason)},
             {"estimated_seconds",
-             {{"links", report->links_seconds}, {"gather", report->gather_seconds}}},
+             {{"links", report->links_seconds},
+              {"gather", report->gather_seconds},
+              {"paths", report->paths_seconds}}},
             {"visibility_reason", lcor_reason_text(report->visibility_reason)},
             {"channels_reason", scene.channels_reason},
             {"pairs_apart", report->pairs_apart},

@@ -8,8 +8,9 @@
 #include <stdexcept>
 
 static std::unique_ptr<Solution> solve(const Scene &scene, double tolerance, lcor_norm norm,
-                                       lcor_engine engine, int channels, double max_seconds,
-                                       uint64_t max_bytes, int threads, nb::handle callback)
+                                       lcor_engine engine, uint64_t points, int channels,
+                                       double max_seconds, uint64_t max_bytes, int threads,
+                                       nb::handle callback)
 {
     if (tolerance == 0) /* the C options read 0 as the default */
         throw nb::value_error("tolerance must be 1e-5 .. 1");
@@ -19,6 +20,7 @@ static std::unique_ptr<Solution> solve(const Scene &scene, double tolerance, lco
     options.tolerance = tolerance;
     options.norm = norm;
     options.engine = engine;
+    options.points = points;
     options.channels = channels;
     options.max_seconds = max_seconds;
     options.max_bytes = max_bytes;
@@ -53,7 +55,7 @@ static void update(Solution &self)
 
 static nb::dict report(const Solution &self)
 {
-    static const char *const engines[] = {"auto", "links", "gather"};
+    static const char *const engines[] = {"auto", "links", "gather", "paths"};
     const lcor_radiosity_report *r = lcor_solution_report(self.solution);
     nb::dict d;
     d["error_rms"] = r->error_rms;
@@ -74,6 +76,7 @@ static nb::dict report(const Solution &self)
     d["channels_reason"] = lcor_reason_text(r->channels_reason);
     d["links_seconds"] = r->links_seconds;
     d["gather_seconds"] = r->gather_seconds;
+    d["paths_seconds"] = r->paths_seconds;
     d["pairs_apart"] = r->pairs_apart;
     d["pairs_open"] = r->pairs_open;
     d["pairs_tested"] = r->pairs_tested;
@@ -145,7 +148,8 @@ void bind_radiosity(nb::module_ &m)
     nb::enum_<lcor_engine>(m, "Engine")
         .value("auto", LCOR_ENGINE_AUTO)
         .value("links", LCOR_ENGINE_LINKS)
-        .value("gather", LCOR_ENGINE_GATHER);
+        .value("gather", LCOR_ENGINE_GATHER)
+        .value("paths", LCOR_ENGINE_PATHS);
     nb::enum_<lcor_value>(m, "Value")
         .value("average", LCOR_VALUE_AVERAGE)
         .value("centre", LCOR_VALUE_CENTRE);
@@ -156,9 +160,9 @@ void bind_radiosity(nb::module_ &m)
              nb::sig("def patches(self, surface: int, value: Value, direct: bool) -> typing.Any"))
         .def("at", &at, "points"_a.none(), "normals"_a.none(), "direct"_a,
              nb::sig("def at(self, points: object, normals: object, direct: bool) -> typing.Any"));
-    m.def("solve", &solve, "scene"_a, "tolerance"_a, "norm"_a, "engine"_a, "channels"_a,
+    m.def("solve", &solve, "scene"_a, "tolerance"_a, "norm"_a, "engine"_a, "points"_a, "channels"_a,
           "max_seconds"_a, "max_bytes"_a, "threads"_a, "progress"_a.none(),
           nb::sig("def solve(scene: Scene, tolerance: float, norm: Norm, engine: Engine, "
-                  "channels: int, max_seconds: float, max_bytes: int, threads: int, "
-                  "progress: object) -> Solution"));
+                  "points: int, channels: int, max_seconds: float, max_bytes: int, "
+                  "threads: int, progress: object) -> Solution"));
 }

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What lcor makes of glTF scenes: geometry, reflectance, light, and files that are broken."""
 
+import json
 import math
 import random
 
@@ -99,6 +100,19 @@ def test_cornell_box_by_links_comes_near_even_where_they_do_not_converge(tmp_pat
         power += chosen["area"] * chosen["E_total"]
         apart += chosen["area"] * abs(links["E_total"] - chosen["E_total"])
     assert apart < 0.2 * power
+
+
+def test_few_points_are_found_by_paths(tmp_path):
+    points = [(-343.56, 165, -272.2, 0.2963, 0, 0.9551), (-185, 165, -169, 0, 1, 0)]
+    told = tmp_path / "r.json"
+    rows, said = at(tmp_path, CORNELL_BOX, points, "--tolerance", "0.02", "--report", told)
+    result = json.loads(told.read_text())
+    assert result["engine"] == "paths" and "by engine paths" in said
+    assert 0 < result["estimated_seconds"]["paths"] < result["estimated_seconds"]["gather"]
+    others, said = at(tmp_path, CORNELL_BOX, points, "--tolerance", "0.02", "--engine", "gather")
+    assert "by engine gather" in said
+    for row, other in zip(rows, others, strict=True):
+        assert row["E_total"] == pytest.approx(other["E_total"], rel=0.1) and row["E_total"] > 0
 
 
 def test_paper_room_agrees_with_the_reference(tmp_path):

@@ -207,11 +207,12 @@ static verdict check_scene(int number, lcor_engine engine, double tolerance)
     return v;
 }
 
-static void check_engine(lcor_engine engine, double tolerance)
+/* In every `step`th scene. */
+static void check_engine(lcor_engine engine, double tolerance, int step)
 {
     verdict all = {0, 0, 0, 0, 0, 0};
 
-    for (int i = 0; i < SCENES; i++) {
+    for (int i = 0; i < SCENES; i += step) {
         const verdict v = check_scene(i, engine, tolerance);
 
         assert_true(v.square / v.n <= mean_square_bound(v.n, SCENES));
@@ -232,13 +233,19 @@ static void check_engine(lcor_engine engine, double tolerance)
 static void engine_links_agrees_with_path_tracing(void **unused)
 {
     (void)unused;
-    check_engine(LCOR_ENGINE_LINKS, 0.03);
+    check_engine(LCOR_ENGINE_LINKS, 0.03, 1);
 }
 
 static void engine_gather_agrees_with_path_tracing(void **unused)
 {
     (void)unused;
-    check_engine(LCOR_ENGINE_GATHER, 0.02);
+    check_engine(LCOR_ENGINE_GATHER, 0.02, 1);
+}
+
+static void engine_paths_agrees_with_path_tracing(void **unused)
+{
+    (void)unused;
+    check_engine(LCOR_ENGINE_PATHS, 0.03, 4);
 }
 
 /* A closed room of emission 1 and reflectance rho has B = 1 / (1 - rho) everywhere, E = B. */
@@ -318,6 +325,7 @@ int main(void)
         cmocka_unit_test(the_tracer_finds_form_factors),
         cmocka_unit_test(engine_links_agrees_with_path_tracing),
         cmocka_unit_test(engine_gather_agrees_with_path_tracing),
+        cmocka_unit_test(engine_paths_agrees_with_path_tracing),
     };
 
     return cmocka_run_group_tests_name("path tracer", tests, trace_all, NULL);

@@ -28,7 +28,7 @@ static void run_backwards(void *user, size_t n, void (*task)(void *arg, size_t i
         task(arg, n);
 }
 
-static const lcor_engine engines[] = {LCOR_ENGINE_LINKS, LCOR_ENGINE_GATHER};
+static const lcor_engine engines[] = {LCOR_ENGINE_LINKS, LCOR_ENGINE_GATHER, LCOR_ENGINE_PATHS};
 enum { ENGINES = sizeof engines / sizeof *engines };
 
 static void bits_do_not_depend_on_the_number_of_threads(void **state)
@@ -78,9 +78,9 @@ static void bits_do_not_depend_on_the_order_of_tasks(void **state)
         options.parallel.run = run_backwards;
         options.parallel.user = &calls;
         two = solve_with(scene, &options);
-        assert_true(calls > 3);
         room_values(one, forward);
         room_values(two, backward);
+        assert_true(calls > 3);
         assert_memory_equal(forward, backward, sizeof forward);
         lcor_solution_free(one);
         lcor_solution_free(two);
@@ -530,13 +530,14 @@ static void add_square(lcor_scene *scene, const double corner[3], const double u
     must(lcor_scene_add_quad(scene, corner, u, v, &look, NULL, &err), &err);
 }
 
-static lcor_engine engine_at(lcor_scene *scene, double tolerance)
+static lcor_engine engine_at(lcor_scene *scene, double tolerance, uint64_t points)
 {
     lcor_radiosity_options options = options_for(LCOR_ENGINE_AUTO, tolerance);
     lcor_solution *solution;
     lcor_engine engine;
 
     options.max_seconds = 1e-3; /* the choice is what matters */
+    options.points = points;
     solution = solve_with(scene, &options);
     engine = lcor_solution_report(solution)->engine;
     lcor_solution_free(solution);
@@ -562,11 +563,31 @@ static void walls_are_for_links_and_area_lights_over_boxes_for_gather(void **sta
                15, 0);
     commit(lamp);
     for (size_t t = 0; t < 2; t++) {
-        assert_int_equal(engine_at(divided, tolerances[t]), LCOR_ENGINE_LINKS);
-        assert_int_equal(engine_at(lamp, tolerances[t]), LCOR_ENGINE_GATHER);
+        assert_int_equal(engine_at(divided, tolerances[t], 0), LCOR_ENGINE_LINKS);
+        assert_int_equal(engine_at(lamp, tolerances[t], 0), LCOR_ENGINE_GATHER);
     }
     lcor_scene_free(divided);
     lcor_scene_free(lamp);
+}
+
+/* A board in mid-air that emits over boxes is nothing for links, a convex room nothing for rays. */
+static void paths_are_for_few_places_where_links_take_long(void **state)
+{
+    lcor_scene *cluttered = paper_room(1), *plain = paper_room(1);
+
+    (void)state;
+    add_box(cluttered, (double[3]){0.1, 0.6, 0}, (double[3]){0.4, 0.85, 0.6}, 0.7, 1);
+    add_box(cluttered, (double[3]){0.55, 0.2, 0}, (double[3]){0.85, 0.5, 0.3}, 0.7, 1);
+    add_square(cluttered, (double[3]){0.3, 0.3, 0.7}, (double[3]){0, 0.2, 0},
+               (double[3]){0.2, 0, 0}, 15, 1);
+    commit(cluttered);
+    commit(plain);
+    assert_int_equal(engine_at(cluttered, 0.01, 1), LCOR_ENGINE_PATHS);
+    assert_int_equal(engine_at(cluttered, 0.01, 100), LCOR_ENGINE_GATHER);
+    assert_int_equal(engine_at(cluttered, 0.01, 0), LCOR_ENGINE_GATHER);
+    assert_int_equal(engine_at(plain, 0.01, 1), LCOR_ENGINE_LINKS);
+    lcor_scene_free(cluttered);
+    lcor_scene_free(plain);
 }
 
 static void the_report_says_what_was_switched_off_and_why(void **state)
@@ -584,6 +605,7 @@ static void the_report_says_what_was_switched_off_and_why(void **state)
     assert_int_equal(report->engine_reason, LCOR_REASON_COST);
     assert_int_equal(report->engine, LCOR_ENGINE_LINKS);
     assert_true(0 < report->links_seconds && report->links_seconds < report->gather_seconds);
+    assert_true(isinf(report->paths_seconds)); /* how many places is not known */
     assert_int_equal(report->visibility_reason, LCOR_REASON_CONVEX);
     assert_int_equal(report->channels_reason, LCOR_REASON_GREY);
     assert_int_equal(report->pairs_open, ROOM_FACES * (ROOM_FACES - 1));
@@ -596,7 +618,8 @@ static void the_report_says_what_was_switched_off_and_why(void **state)
     solution = solve_with(scene, &asked);
     report = lcor_solution_report(solution);
     assert_int_equal(report->engine_reason, LCOR_REASON_ASKED);
-    assert_true(report->links_seconds == 0 && report->gather_seconds == 0);
+    assert_true(report->links_seconds == 0 && report->gather_seconds == 0 &&
+                report->paths_seconds == 0);
     assert_int_equal(report->visibility_reason, LCOR_REASON_CLUTTER);
     /* the sides of the box look away from each other, its top sees the ceiling, its sides the floor
      * past nothing, and it stands between the walls */
@@ -630,6 +653,7 @@ int main(void)
         cmocka_unit_test(wrong_options_are_refused),
         cmocka_unit_test(the_engine_that_was_chosen_agrees_with_the_other),
         cmocka_unit_test(walls_are_for_links_and_area_lights_over_boxes_for_gather),
+        cmocka_unit_test(paths_are_for_few_places_where_links_take_long),
         cmocka_unit_test(the_report_says_what_was_switched_off_and_why),
     };
 

@@ -24,8 +24,8 @@ CALLS = {
     "Scene.add_triangle": "self, a, b, c, reflectance=0.5, emission=0.0, patches=1, "
     "two_sided=False",
     "Scene.add_point_light": "self, position, intensity=1.0, range=0.0",
-    "solve_radiosity": "scene, tolerance=0.01, norm='rms', *, engine='auto', channels=None, "
-    "max_seconds=0.0, max_bytes=0, threads=1, progress=None",
+    "solve_radiosity": "scene, tolerance=0.01, norm='rms', *, engine='auto', points=0, "
+    "channels=None, max_seconds=0.0, max_bytes=0, threads=1, progress=None",
     "Solution.irradiance": "self, surface, kind='average'",
     "Solution.direct": "self, surface, kind='average'",
     "Solution.at": "self, points, normals",

@@ -106,12 +106,12 @@ def test_threads_do_not_change_bits():
         np.testing.assert_array_equal(one.irradiance(surface), two.irradiance(surface))
 
 
-@pytest.mark.parametrize("engine", ["links", "gather"])
-def test_either_engine_meets_the_tolerance(engine):
+@pytest.mark.parametrize("engine", ["links", "gather", "paths"])
+def test_each_engine_meets_the_tolerance(engine):
     exact = lcor.solve_radiosity(room(6), tolerance=1e-3)
     solution = lcor.solve_radiosity(room(6), tolerance=0.02, engine=engine)
     assert solution.report["engine"] == engine and solution.report["converged"]
-    assert (solution.report["rays"] > 0) == (engine == "gather")
+    assert (solution.report["rays"] > 0) == (engine != "links")
     got, expected = ([s.irradiance(i) for i in range(6)] for s in (solution, exact))
     assert np.sqrt(np.mean((np.array(got) / expected - 1) ** 2)) < 0.02
     place = [[0.5, 0.5, 0.0]], [0, 0, 1.0]
@@ -130,7 +130,10 @@ def test_the_scene_chooses_its_engine_and_says_why():
     for i in range(100):  # upright, each hiding others
         scene.add_quad((i % 10, i // 10, 0), (0.9 * (i % 2), 0.9 - 0.9 * (i % 2), 0), (0, 0, 0.5))
     scene.add_point_light((5, 5, 3), 10.0)
-    assert lcor.solve_radiosity(scene, tolerance=0.1).report["engine"] == "gather"
+    report = lcor.solve_radiosity(scene, tolerance=0.1).report
+    assert report["engine"] == "gather" and report["paths_seconds"] == np.inf
+    report = lcor.solve_radiosity(scene, tolerance=0.1, points=1).report
+    assert report["engine"] == "paths" and report["paths_seconds"] < report["gather_seconds"]
 
 
 def test_triangles_and_polygons_have_lists_of_patches():
@@ -194,6 +197,8 @@ def test_bad_questions_are_refused():
         lcor.solve_radiosity(scene, threads=0)
     with pytest.raises(ValueError, match="max_bytes"):
         lcor.solve_radiosity(scene, max_bytes=-1)
+    with pytest.raises(ValueError, match="points"):
+        lcor.solve_radiosity(scene, points=-1)
     solution = lcor.solve_radiosity(scene)
     for missing in (17, -1):
         with pytest.raises(ValueError, match=f"surface {missing}: the scene has 6"):

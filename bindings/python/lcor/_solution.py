@@ -18,7 +18,12 @@ from ._scene import Scene
 Progress = Optional[Callable[[float], object]]
 
 _NORMS = {"rms": _core.Norm.rms, "max": _core.Norm.max}
-_ENGINES = {"auto": _core.Engine.auto, "links": _core.Engine.links, "gather": _core.Engine.gather}
+_ENGINES = {
+    "auto": _core.Engine.auto,
+    "links": _core.Engine.links,
+    "gather": _core.Engine.gather,
+    "paths": _core.Engine.paths,
+}
 _KINDS = {"average": _core.Value.average, "centre": _core.Value.centre}
 
 
@@ -40,11 +45,12 @@ class Solution:
         error_rms, error_max (estimates; max as sampled), energy_defect, converged, iterations,
         channels, engine, links, elements, rays, bytes, seconds, models (what the scene required).
 
-        engine_reason, visibility_reason and channels_reason say why in words. links_seconds and
-        gather_seconds are what the engines were estimated to take where lcor chose between them
-        (infinite: cannot do it), else 0. pairs_apart, pairs_open and pairs_tested count pairs of
-        faces that cannot see each other, do so fully, and are tested (engine links), which solved
-        surfaces_merged coplanar surfaces that look alike as merged_into larger ones.
+        engine_reason, visibility_reason and channels_reason say why in words. links_seconds,
+        gather_seconds and paths_seconds are what the engines were estimated to take where lcor
+        chose between them (infinite: cannot do it, paths without `points`), else 0. pairs_apart,
+        pairs_open and pairs_tested count pairs of faces that cannot see each other, do so fully,
+        and are tested (engine links), which solved surfaces_merged coplanar surfaces that look
+        alike as merged_into larger ones.
         """
         return self._core.report()
 
@@ -140,6 +146,7 @@ def solve_radiosity(
     norm: str = "rms",
     *,
     engine: str = "auto",
+    points: int = 0,
     channels: int | None = None,
     max_seconds: float = 0.0,
     max_bytes: int = 0,
@@ -159,8 +166,12 @@ def solve_radiosity(
         "rms": area-weighted over the patches; "max": the largest.
     engine
         "links": light carried between elements of surfaces, for scenes of few surfaces;
-        "gather": light gathered by rays, for any number of them; "auto" lets the scene decide,
-        and the report says how.
+        "gather": light gathered by rays over a field made first, for any number of them;
+        "paths": rays without a field, for few places, since each takes longer; "auto" lets the
+        scene decide, and the report says how.
+    points
+        So many places will be asked for, points and patches; 0: many, or not known. For few,
+        "auto" may choose paths. More may be asked for all the same.
     channels
         None: 1 if lights and emission are grey, else 3; or 1 or 3.
     max_seconds, max_bytes
@@ -197,14 +208,16 @@ def solve_radiosity(
     >>> abs(solution.irradiance(wall)[0, 0] - 2.0) < 1e-3
     np.True_
     """
-    if max_bytes < 0:
-        raise ValueError(f"max_bytes must be >= 0, not {max_bytes!r}")
+    for name, value in (("max_bytes", max_bytes), ("points", points)):
+        if value < 0:
+            raise ValueError(f"{name} must be >= 0, not {value!r}")
     scene.commit()
     core = _core.solve(
         scene._core,
         number("tolerance", tolerance),
         choice("norm", norm, _NORMS),
         choice("engine", engine, _ENGINES),
+        points,
         channels or 0,
         max_seconds,
         max_bytes,

@@ -32,12 +32,16 @@ typedef enum lcor_norm {
     LCOR_NORM_MAX = 1  /**< the largest */
 } lcor_norm;
 
-/** How indirect light is found. Both give the same answers within the tolerance. */
+/** How indirect light is found. All give the same answers within the tolerance. */
 typedef enum lcor_engine {
-    LCOR_ENGINE_AUTO = 0,  /**< the one that is estimated to solve the scene sooner, by its pairs
-                                of surfaces, what may hide them, and the tolerance */
-    LCOR_ENGINE_LINKS = 1, /**< exact factors and visibility, no noise; at most 2000 faces */
-    LCOR_ENGINE_GATHER = 2 /**< rays, for any number of surfaces; meant for 0.2 % and more */
+    LCOR_ENGINE_AUTO = 0,   /**< the one that is estimated to be done sooner, by the scene's pairs
+                                 of surfaces, what may hide them, reflectances, the tolerance, and
+                                 `points`; paths only if `points` is set */
+    LCOR_ENGINE_LINKS = 1,  /**< exact factors and visibility, no noise; at most 2000 faces */
+    LCOR_ENGINE_GATHER = 2, /**< rays, for any number of surfaces; meant for 0.2 % and more */
+    LCOR_ENGINE_PATHS = 3   /**< rays too, but nothing is made ahead: an answer takes several times
+                                 as long, the first one is there at once. For few places; patches
+                                 and pictures work and are slow */
 } lcor_engine;
 
 /** Zero it, set struct_size and what differs. */
@@ -55,12 +59,16 @@ typedef struct lcor_radiosity_options {
     lcor_parallel parallel;
     lcor_progress progress;
     lcor_allocator allocator;
+    uint64_t points; /**< so many places will be asked for, points and patches; 0 = many, or not
+                          known. A hint: for few, LCOR_ENGINE_AUTO may trace paths and prepare
+                          nothing, and the error is estimated from fewer places. More may be asked
+                          for all the same */
 } lcor_radiosity_options;
 
 /** Why the solver chose as it did; lcor_reason_text says it in words. */
 typedef enum lcor_reason {
     LCOR_REASON_ASKED = 0, /**< an option says so */
-    LCOR_REASON_COST,      /**< engine: of both the one estimated to be done sooner */
+    LCOR_REASON_COST,      /**< engine: the one estimated to be done sooner */
     LCOR_REASON_CONVEX,    /**< no visibility tests: no surface has another one on either side */
     LCOR_REASON_CLUTTER,   /**< visibility tests: surfaces stand before others */
     LCOR_REASON_GREY,      /**< one channel: all lights and emission are grey */
@@ -70,25 +78,27 @@ typedef enum lcor_reason {
 /** What was done and how close it came. */
 typedef struct lcor_radiosity_report {
     double error_rms, error_max; /**< estimated; max as sampled */
-    double energy_defect;        /**< |power in - absorbed - escaped| / power in; 0 with gather,
-                                    whose rays carry irradiance and keep no balance of power */
+    double energy_defect;        /**< |power in - absorbed - escaped| / power in; 0 with gather
+                                    and paths, whose rays carry irradiance and keep no balance of power */
     int converged;               /**< the requested norm's estimate is within tolerance */
     int iterations;              /**< of the linear solve, last round */
     int channels;
     lcor_engine engine;
     uint64_t links, elements, rays, bytes; /**< bytes: the largest held at once */
     double seconds;
-    /** Processor seconds estimated for each engine when LCOR_ENGINE_AUTO chose between them,
-     * infinite where one cannot do it; 0 when the caller chose. */
+    /** Processor seconds estimated for each engine when LCOR_ENGINE_AUTO chose between them, the
+     *  answers at options.points included; infinite where one cannot do it; 0 when the caller
+     *  chose. */
     double links_seconds, gather_seconds;
     char models[256]; /**< what the scene required and what was switched off, and why */
     lcor_reason engine_reason, visibility_reason, channels_reason;
     /** Of engine links, pairs of faces, each as receiver of the other: those that cannot see each
-     *  other, see each other fully, and are tested. Zeros of engine gather. */
+     *  other, see each other fully, and are tested. Zeros of other engines. */
     uint64_t pairs_apart, pairs_open, pairs_tested;
     /** Of engine links: so many surfaces, coplanar neighbours that look alike and make up
      *  parallelograms, are solved as so many larger ones. Results stay per surface. */
     uint64_t surfaces_merged, merged_into;
+    double paths_seconds; /**< like links_seconds; infinite if options.points is 0 */
 } lcor_radiosity_report;
 
 /** The reason in English, a few words without a full stop; never NULL. */

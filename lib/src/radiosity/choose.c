@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* What each engine would cost, so that the scene can choose. Constants are fitted to processor
- * seconds of rooms with none, one and two boxes, with walls that divide them, of Cornell boxes and
- * of the benches' scenes: mostly right within a factor of three, up to eight for either engine
- * where screens hang in mid-air. */
+ * seconds of rooms with none and two boxes, lamps, boards in mid-air and walls that divide them,
+ * and of the benches' scenes: mostly right within a factor of three; six for gather in the open
+ * box that one bright patch lights. */
 #include "radiosity/engine.h"
 
 #include "geometry/vec.h"
@@ -11,18 +11,20 @@
 #include <math.h>
 
 /* Links: of a pair of faces at 1 %, and for each blocker as part of that. */
-static const double pair_seconds = 9e-5, blocker_share = 4.7, links_power = 0.8;
+static const double pair_seconds = 5e-5, blocker_share = 4.7, links_power = 0.8;
 /* Light of emitting surfaces lives on elements, with its penumbrae. */
 static const double penumbrae = 5;
 /* More shapes than this are not compared pair by pair, nor would links be the better engine. */
 enum { PAIRED_MOST = 512 };
-/* Gather: at any tolerance, at 1 %, and by how many surfaces that doubles. */
-static const double gather_start = 0.05, gather_seconds = 0.25, gather_power = 1.8;
+/* Gather: at any tolerance, at 1 %, of an answer, and by how many surfaces that doubles. */
+static const double gather_start = 0.03, gather_seconds = 0.2, gather_power = 1.5;
+static const double gather_answer = 8e-4, gather_answer_power = 1.4;
 static const double gather_doubles = 300;
-/* Behind sheets it is dark, or light comes through slits. */
-static const double sheets_factor = 3;
-/* Answers of gather come no closer. */
-static const double gather_least = 5e-4;
+/* Paths: at any tolerance, and a ray's part of an answer at 1 %, for each level of a binary tree of
+ * all surfaces. */
+static const double paths_start = 5e-3, paths_answer = 5e-4, paths_power = 1.8;
+/* Answers by rays come no closer. */
+static const double rays_least = 5e-4;
 
 /* Whether the surface has a corner before (sign 1) or behind (-1) another one's plane. */
 static int reaches(const lcor_scene *scene, const scene_surface *of, const scene_surface *plane,
@@ -76,14 +78,10 @@ static int is_between(const lcor_scene *scene, const scene_surface *plane)
 }
 
 /* What can hide something: solids, and sheets, which are part of none. */
-typedef struct hiding {
-    double all, sheets;
-} hiding;
-
-static hiding count_hiding(const lcor_scene *scene)
+static double count_hiding(const lcor_scene *scene)
 {
     const uint32_t *blockers = scene->blockers.items;
-    hiding count = {0, 0};
+    double count = 0;
 
     for (size_t i = 0; i < scene->blockers.count; i++) {
         const scene_surface *part;
@@ -92,8 +90,7 @@ static hiding count_hiding(const lcor_scene *scene)
         for (size_t k = 0; !hides && (part = scene_blocker_part(scene, blockers[i], k)) != NULL;
              k++)
             hides = is_between(scene, part);
-        count.all += hides;
-        count.sheets += hides && !scene_blocker_part(scene, blockers[i], 1);
+        count += hides;
     }
     return count;
 }
@@ -109,21 +106,63 @@ static int emits(const lcor_scene *scene)
     return 0;
 }
 
-void engine_costs(const lcor_scene *scene, double tolerance, double *links, double *gather)
+static double mean_reflectance(const lcor_scene *scene, const double luminance[3])
 {
-    const double finer = 0.01 / tolerance, surfaces = (double)scene->surfaces.count;
-    const int paired = scene->shapes.count <= PAIRED_MOST;
-    hiding hides = {0, 0};
+    double area = 0, sum = 0;
 
-    if (paired && !scene->convex)
-        hides = count_hiding(scene);
-    *gather = HUGE_VAL;
-    if (tolerance >= gather_least)
-        *gather = gather_start + gather_seconds * (1 + surfaces / gather_doubles) *
-                                     (hides.sheets > 0 ? sheets_factor : 1) *
-                                     pow(finer, gather_power);
-    *links = HUGE_VAL;
-    if (paired)
-        *links = pair_seconds * count_pairs(scene) * (1 + blocker_share * hides.all) *
-                 (hides.all > 0 && emits(scene) ? penumbrae : 1) * pow(finer, links_power);
+    for (size_t i = 0; i < scene->surfaces.count; i++) {
+        const scene_surface *s = scene_surface_at(scene, i);
+
+        area += s->area;
+        sum += s->area * vec_dot(s->look.reflectance, luminance);
+    }
+    return area > 0 ? sum / area : 0;
+}
+
+/* Rays of a path that carries on to a quarter of its light, then by chance. */
+static double path_length(double reflectance)
+{
+    const double rho = fmin(fmax(reflectance, 1e-3), 0.999);
+
+    return 1 + log(0.25) / log(rho) + rho / (1 - rho);
+}
+
+static double links_cost(const lcor_scene *scene, double finer)
+{
+    const double hiding = scene->convex ? 0 : count_hiding(scene);
+
+    return pair_seconds * count_pairs(scene) * (1 + blocker_share * hiding) *
+           (hiding > 0 && emits(scene) ? penumbrae : 1) * pow(finer, links_power);
+}
+
+static double gather_cost(const lcor_scene *scene, double points, double finer)
+{
+    const double size = 1 + (double)scene->surfaces.count / gather_doubles;
+
+    return gather_start + size * (gather_seconds * pow(finer, gather_power) +
+                                  points * gather_answer * pow(finer, gather_answer_power));
+}
+
+/* Answers at points, and at places that tell the error. */
+static double paths_cost(const lcor_scene *scene, const lcor_radiosity_options *options,
+                         double finer)
+{
+    const double answers = (double)options->points + (double)engine_paths_places(options);
+    const double levels = log(1 + (double)scene->surfaces.count) / log(2);
+
+    return paths_start + answers * paths_answer * pow(finer, paths_power) * levels *
+                             path_length(mean_reflectance(scene, options->luminance));
+}
+
+void engine_costs(const lcor_scene *scene, const lcor_radiosity_options *options,
+                  lcor_radiosity_report *report)
+{
+    const double finer = 0.01 / options->tolerance;
+    const int rays = options->tolerance >= rays_least;
+
+    report->links_seconds =
+        scene->shapes.count <= PAIRED_MOST ? links_cost(scene, finer) : HUGE_VAL;
+    report->gather_seconds = rays ? gather_cost(scene, (double)options->points, finer) : HUGE_VAL;
+    report->paths_seconds =
+        rays && options->points > 0 ? paths_cost(scene, options, finer) : HUGE_VAL;
 }

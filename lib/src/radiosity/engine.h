@@ -49,11 +49,14 @@ struct lcor_solution {
     double done; /* last progress reported */
 };
 
-extern const engine engine_links, engine_gather;
+extern const engine engine_links, engine_gather, engine_paths;
 
-/* choose.c: estimated processor seconds to solve to a tolerance; infinite where an engine cannot.
- */
-void engine_costs(const lcor_scene *scene, double tolerance, double *links, double *gather);
+/* choose.c: sets links_seconds, gather_seconds and paths_seconds of the report. */
+void engine_costs(const lcor_scene *scene, const lcor_radiosity_options *options,
+                  lcor_radiosity_report *report);
+
+/* gather_engine.c: places from which the error of paths is estimated, each answered about once. */
+size_t engine_paths_places(const lcor_radiosity_options *options);
 
 /* Whether max_seconds have passed, or `bytes` are more than max_bytes. */
 int engine_over_limit(const lcor_solution *s, uint64_t bytes);

@@ -118,8 +118,10 @@ typedef struct gather {
 
     guide guide;
     gather_effort effort;
-    double mean;        /* irradiance of the scene: errors refer to at least 2 % of it */
-    double contraction; /* of one reflection */
+    size_t places;          /* that the error is estimated from */
+    double rays_per_sample; /* about */
+    double mean;            /* irradiance of the scene: errors refer to at least 2 % of it */
+    double contraction;     /* of one reflection */
     int iterations;
     int dark; /* no light at all */
     int cancelled, hurry;
@@ -266,7 +268,7 @@ double gather_expected(const gather *g, const gather_stand *stand, const double 
  * answer, mean of the channels. Returns the number of rays. */
 uint64_t gather_answer(const gather *g, const gather_query *q, double *total, double *group);
 
-/* gather_error.c: relative errors of answers at n places. Without memory or when cancelled: 0. */
+/* gather_error.c: relative errors of answers at `places`. Without memory or when cancelled: 0. */
 typedef struct gather_errors {
     double rms, max;
     double noise, field; /* parts of rms: of the answer's rays, and of the field they read; */
@@ -274,9 +276,11 @@ typedef struct gather_errors {
 } gather_errors;
 /* Sets `mean`, near enough to tell what is dark, and `groups`; the field's part alone. */
 int gather_judge_field(gather *g, gather_errors *out);
-int gather_estimate(gather *g, size_t n, gather_errors *out);
-/* The noise of averages over n patches. */
-int gather_patch_noise(gather *g, size_t n, double *noise);
+/* Without a field: sets `mean` and `rays_per_sample`. */
+int gather_survey(gather *g);
+int gather_estimate(gather *g, gather_errors *out);
+/* The noise of averages over patches. */
+int gather_patch_noise(gather *g, double *noise);
 /* Squares of a sample of `count` spread: what to multiply a root of their mean by. */
 double gather_upper_end(size_t count);
 /* rms from its parts. */

@@ -9,7 +9,10 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ROUNDS_MAX = 8, PASSES_MAX = 5, SLICE = 128, SAMPLE = 64, PATCHES = 64 };
+enum { ROUNDS_MAX = 8, PASSES_MAX = 5, SLICE = 128 };
+
+/* Places that the error is estimated from; fewer where few are asked for. */
+enum { PLACES = 64, PLACES_LEAST = 16 };
 
 /* Leaves wanted, and rays of one on average, at a tolerance of 1 %. */
 static const double leaves_wanted = 400, rays_wanted = 100, rays_most = 4096;
@@ -20,6 +23,11 @@ static const double samples_most = 1 << 18, samples_least = 128;
 /* An answer's part of the tolerance at first, where effort is shared and where not, and what is
  * aimed at in the end. */
 static const double stop_shared = 1.7, stop_alone = 0.85, aim = 0.75;
+/* Paths are noisier the more is asked for: at a shared effort their answers' part is that at this
+ * tolerance, and less below in proportion. */
+static const double paths_usual = 0.02;
+/* Their averages over patches, of the stop of answers at points: nobody asks how they err. */
+static const double paths_patch_stop = 0.5;
 /* The laxest stop of an answer in the end, of the tolerance. */
 static const double stop_most = 0.9;
 /* What `stop` alone can improve noise by, without looking again. */
@@ -32,8 +40,9 @@ static const double shared_power = 0.5;
 /* What all answers may err alike by the field they share: this part of the tolerance, and not more
  * than so much; and what of that is aimed at, since it is estimated. */
 static const double bias_share = 0.2, bias_most = 0.002, bias_aim = 0.8;
-/* Rays of one sample, about: to a target, on to the next surface, and from there. */
-static const double rays_per_sample = 4;
+/* Rays of a sample that ends in the field, about: to a target, on to the next surface, and from
+ * there. */
+static const double rays_to_field = 4;
 
 /* A part of the tasks. */
 typedef struct slice {
@@ -172,14 +181,31 @@ static void release(lcor_solution *s)
     s->state = NULL;
 }
 
+/* Whether rays end in a field; else they all go on as paths. */
+static int has_field(const gather *g) { return g->solution->engine->id == LCOR_ENGINE_GATHER; }
+
+/* An estimate of the error must not take longer than what it is of; the largest error takes all
+ * places there are. */
+size_t engine_paths_places(const lcor_radiosity_options *options)
+{
+    if (options->norm == LCOR_NORM_MAX || options->points == 0 || options->points > PLACES)
+        return PLACES;
+    return options->points < PLACES_LEAST ? PLACES_LEAST : (size_t)options->points;
+}
+
 static void set_effort(gather *g, double tolerance)
 {
+    g->places = has_field(g) ? PLACES : engine_paths_places(&g->solution->options);
+    g->rays_per_sample = rays_to_field;
     g->effort.share = g->solution->options.norm == LCOR_NORM_RMS;
     g->effort.leaf_size = tolerance >= 0.008 && g->effort.share ? 1 : 1.5;
     g->effort.rays = fmin(fmax(rays_wanted * 0.01 / tolerance, 16), 2048);
     g->effort.near = 0.5;
     g->effort.leaves = (size_t)(leaves_wanted * 0.01 / tolerance);
-    g->effort.stop = fmax((g->effort.share ? stop_shared : stop_alone) * tolerance, stop_least);
+    g->effort.stop = (g->effort.share ? stop_shared : stop_alone) * tolerance;
+    if (g->effort.share && !has_field(g))
+        g->effort.stop *= fmin(tolerance / paths_usual, 1);
+    g->effort.stop = fmax(g->effort.stop, stop_least);
 }
 
 static double bias_allowed(const lcor_solution *s)
@@ -202,6 +228,13 @@ static void describe(lcor_solution *s)
     const gather *g = s->state;
     size_t fields = 0;
 
+    if (!has_field(g)) {
+        (void)snprintf(s->report.models, sizeof s->report.models,
+                       "paths; %lu surfaces; %d bright places; %d channel%s",
+                       (unsigned long)g->scene->surfaces.count, g->guide.targets[GUIDE_FINE].count,
+                       g->channels, g->channels == 1 ? "" : "s");
+        return;
+    }
     for (size_t i = 0; i < 2 * g->planes.count; i++)
         fields += g->sides[i].root >= 0;
     (void)snprintf(s->report.models, sizeof s->report.models,
@@ -288,15 +321,19 @@ static int settle(gather *g, gather_errors *e)
 {
     const double wanted = noise_wanted(e->field, rms_wanted(g->solution, e));
     const double asked = g->effort.stop;
-    double noise;
+    double noise = 0;
 
     settle_stop(g, wanted, &g->effort.stop, &e->noise);
     g->effort.patch_stop = fmin(asked, 2 * g->effort.stop);
-    if (!gather_patch_noise(g, PATCHES, &noise))
-        return 0;
-    settle_stop(g, wanted, &g->effort.patch_stop, &noise);
-    e->noise = fmax(e->noise, noise);
-    gather_sum_errors(e, SAMPLE);
+    if (has_field(g)) {
+        if (!gather_patch_noise(g, &noise))
+            return 0;
+        settle_stop(g, wanted, &g->effort.patch_stop, &noise);
+        e->noise = fmax(e->noise, noise);
+    } else {
+        g->effort.patch_stop = paths_patch_stop * g->effort.stop;
+    }
+    gather_sum_errors(e, g->places);
     return 1;
 }
 
@@ -339,12 +376,13 @@ static int attempt(gather *g, int new_field, gather_errors *errors)
         return 0;
     /* Half of the time left for the places of the estimate, each answered twice. */
     g->effort.samples =
-        fmin(fmax(0.5 * gather_rays_left(g) / (2 * SAMPLE * rays_per_sample), samples_least),
+        fmin(fmax(0.5 * gather_rays_left(g) / (2 * (double)g->places * g->rays_per_sample),
+                  samples_least),
              samples_most);
     if (g->hurry)
         g->effort.stop = fmax(g->effort.stop, stop_hurried);
     g->effort.patch_stop = g->effort.stop;
-    return gather_estimate(g, SAMPLE, errors);
+    return gather_estimate(g, errors);
 }
 
 static void report_errors(lcor_solution *s, const gather_errors *errors)
@@ -365,7 +403,7 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
     gather *g = s->state;
     gather_errors errors = {0}, last;
     gather_effort effort;
-    int new_field = 1;
+    int new_field = has_field(g);
 
     g->cancelled = g->hurry = 0;
     set_effort(g, s->options.tolerance);
@@ -374,7 +412,7 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
     if (!guide_build(g))
         return no_memory(err);
     g->mean = g->guide.mean;
-    if (s->options.norm == LCOR_NORM_MAX && !find_dark(g))
+    if (has_field(g) ? s->options.norm == LCOR_NORM_MAX && !find_dark(g) : !gather_survey(g))
         goto stopped;
     for (int round = 0; round < ROUNDS_MAX; round++) {
         const double begun = seconds_spent(s);
@@ -382,7 +420,8 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
         last = errors;
         if (!attempt(g, new_field, &errors))
             goto stopped;
-        if (g->hurry && !new_field && wanted_error(s, &errors) > wanted_error(s, &last)) {
+        if (g->hurry && round > 0 && !new_field &&
+            wanted_error(s, &errors) > wanted_error(s, &last)) {
             errors = last; /* what could not be done in time is no better */
             g->effort = effort;
         }
@@ -397,6 +436,8 @@ static lcor_status solve(lcor_solution *s, lcor_error *err)
             break;
         effort = g->effort;
         new_field = strive(g, &errors);
+        if (!new_field && !(g->effort.stop < effort.stop))
+            break; /* there is no more to ask for */
         /* What cannot be ended is not begun: finer takes longer than what it is to improve. */
         if (seconds_left(s) < (new_field ? 4 : 2) * (seconds_spent(s) - begun)) {
             g->effort = effort;
@@ -463,3 +504,7 @@ static void emitted(const lcor_solution *s, const double x[3], const double norm
 
 const engine engine_gather = {
     LCOR_ENGINE_GATHER, 4, 4, prepare, release, solve, relight, patches, point, estimate, emitted};
+
+/* The same without a field: what paths find is all there is. */
+const engine engine_paths = {LCOR_ENGINE_PATHS, 1,       1,     prepare,  release, solve,
+                             relight,           patches, point, estimate, emitted};

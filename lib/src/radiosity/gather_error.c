@@ -10,7 +10,13 @@
 #include <math.h>
 #include <string.h>
 
-enum { ITERATIONS_MAX = 4, SURVEY_PLACES = 256, SURVEY_SAMPLES = 16, CANDIDATES = 8 };
+enum {
+    ITERATIONS_MAX = 4,
+    SURVEY_PLACES = 256,
+    SURVEY_FEW = 64,
+    SURVEY_SAMPLES = 16,
+    CANDIDATES = 8
+};
 
 typedef struct verdict {
     int lit;
@@ -22,7 +28,8 @@ typedef struct verdict {
 typedef struct verification {
     gather *g;
     verdict *verdicts;
-    double *const *groups; /* what they add to the field, or NULL: of averages over patches */
+    double *const *groups; /* what they add to the field, or NULL */
+    int patches;           /* averages over them instead of points */
     size_t by_area;        /* places; those after them are where it is dark */
 } verification;
 
@@ -100,7 +107,7 @@ static void verify_task(void *arg, size_t i)
     gather_query q;
 
     memset(v, 0, sizeof *v);
-    if (!job->groups)
+    if (job->patches)
         ask_patch(g, (uint32_t)i, &q, first);
     else if (i < job->by_area)
         ask_point(g, (uint32_t)i, 99, &q, first);
@@ -205,13 +212,39 @@ static void survey_task(void *arg, size_t i)
         q.stop = 1;
         q.samples = SURVEY_SAMPLES;
         q.seed = (uint32_t)i;
-        (void)gather_answer(g, &q, total, NULL);
+        p->verdict.rays = gather_answer(g, &q, total, NULL);
     } else {
         emitters_at(&g->emitters, q.stand.x, q.stand.normal, q.stand.surface, total);
     }
     p->value = mean_of(g, total);
     if (p->leaf != gather_none)
         p->value += fmax(mean_of_field(g, p, g->field), 0);
+}
+
+static int look_around(gather *g, survey *job, size_t n)
+{
+    int ok;
+
+    job->g = g;
+    ok = gather_each(g, n, survey_task, job);
+    g->mean = 0;
+    for (size_t i = 0; ok && i < n; i++)
+        g->mean += job->places[i].value / (double)n;
+    return ok;
+}
+
+int gather_survey(gather *g)
+{
+    survey *job = lcor_internal_alloc(g->allocator, sizeof *job);
+    const int ok = job && look_around(g, job, SURVEY_FEW);
+    uint64_t rays = 0;
+
+    for (size_t i = 0; ok && i < SURVEY_FEW; i++)
+        rays += job->places[i].verdict.rays;
+    g->rays += rays;
+    g->rays_per_sample = (double)(rays + 1) / (SURVEY_FEW * SURVEY_SAMPLES);
+    lcor_internal_free(g->allocator, job);
+    return ok;
 }
 
 /* What each group of rays alone would add to the field: e = r + K e, where r is what the group's
@@ -259,16 +292,9 @@ static int reserve_groups(gather *g)
 int gather_judge_field(gather *g, gather_errors *out)
 {
     survey *job = lcor_internal_alloc(g->allocator, sizeof *job);
-    int ok = job && reserve_groups(g);
+    const int ok =
+        job && reserve_groups(g) && look_around(g, job, SURVEY_PLACES) && find_group_errors(g, job);
 
-    if (ok) {
-        job->g = g;
-        ok = gather_each(g, SURVEY_PLACES, survey_task, job);
-    }
-    g->mean = 0;
-    for (int i = 0; ok && i < SURVEY_PLACES; i++)
-        g->mean += job->places[i].value / SURVEY_PLACES;
-    ok = ok && find_group_errors(g, job);
     if (ok) {
         verdict verdicts[SURVEY_PLACES];
 
@@ -284,12 +310,13 @@ int gather_judge_field(gather *g, gather_errors *out)
 
 /* ---- answers ---- */
 
-/* Answers and judges n places or patches, and as many more places where it is dark for their
- * largest error. */
-static int verify(gather *g, double *const *groups, size_t n, size_t dark, gather_errors *out)
+/* Answers and judges places or patches, and `dark` more places where it is dark for their largest
+ * error. */
+static int verify(gather *g, double *const *groups, int patches, size_t dark, gather_errors *out)
 {
+    const size_t n = g->places;
     verdict *verdicts = lcor_internal_alloc(g->allocator, (n + dark) * sizeof *verdicts);
-    verification job = {g, verdicts, groups, n};
+    verification job = {g, verdicts, groups, patches, n};
     const int ok = verdicts && gather_each(g, n + dark, verify_task, &job);
     gather_errors worst;
 
@@ -304,15 +331,18 @@ static int verify(gather *g, double *const *groups, size_t n, size_t dark, gathe
     return ok;
 }
 
-int gather_estimate(gather *g, size_t n, gather_errors *out)
+int gather_estimate(gather *g, gather_errors *out)
 {
-    return verify(g, g->groups, n, g->solution->options.norm == LCOR_NORM_MAX ? n / 2 : 0, out);
+    const size_t dark =
+        g->solution->options.norm == LCOR_NORM_MAX && g->mean > 0 ? g->places / 2 : 0;
+
+    return verify(g, g->groups[0] ? g->groups : NULL, 0, dark, out);
 }
 
-int gather_patch_noise(gather *g, size_t n, double *noise)
+int gather_patch_noise(gather *g, double *noise)
 {
     gather_errors errors;
-    const int ok = verify(g, NULL, n, 0, &errors);
+    const int ok = verify(g, NULL, 1, 0, &errors);
 
     *noise = ok ? errors.noise : 0;
     return ok;

@@ -63,7 +63,7 @@ static lcor_status check_options(lcor_radiosity_options *o, lcor_error *err)
                                   "radiosity: tolerance must be 1e-5 .. 1");
     if (o->channels != 0 && o->channels != 1 && o->channels != 3)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "radiosity: channels must be 0, 1 or 3");
-    if (o->engine < LCOR_ENGINE_AUTO || o->engine > LCOR_ENGINE_GATHER)
+    if (o->engine < LCOR_ENGINE_AUTO || o->engine > LCOR_ENGINE_PATHS)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "radiosity: there is no such engine");
     if (o->norm != LCOR_NORM_RMS && o->norm != LCOR_NORM_MAX)
         return lcor_internal_fail(err, LCOR_ERR_ARG, -1, "radiosity: unknown norm");
@@ -75,20 +75,21 @@ static lcor_status check_options(lcor_radiosity_options *o, lcor_error *err)
     return LCOR_OK;
 }
 
-/* The cheaper one, unless the caller knows better. */
+/* The cheapest one, unless the caller knows better. */
 static const engine *choose_engine(lcor_solution *s)
 {
-    double links, gather;
+    lcor_radiosity_report *r = &s->report;
 
     switch (s->options.engine) {
     case LCOR_ENGINE_LINKS: return &engine_links;
     case LCOR_ENGINE_GATHER: return &engine_gather;
+    case LCOR_ENGINE_PATHS: return &engine_paths;
     case LCOR_ENGINE_AUTO: break;
     }
-    engine_costs(s->scene, s->options.tolerance, &links, &gather);
-    s->report.links_seconds = links;
-    s->report.gather_seconds = gather;
-    return links <= gather ? &engine_links : &engine_gather;
+    engine_costs(s->scene, &s->options, r);
+    if (r->paths_seconds < fmin(r->links_seconds, r->gather_seconds))
+        return &engine_paths;
+    return r->links_seconds <= r->gather_seconds ? &engine_links : &engine_gather;
 }
 
 const char *lcor_reason_text(lcor_reason reason)
