@@ -9,6 +9,8 @@
 
 enum { RAYS_FIRST = 16, DOUBLINGS_MAX = 16, DOUBLINGS_USED = 3, RAYS_USUAL = 256, PILOTS = 32 };
 
+/* Variance of low-discrepancy samples over that of independent ones, about. */
+static const double stratified = 0.5;
 /* Light that no ray has met yet, through a slit say: as if the next one met so much of the mean. */
 static const double unmet_share = 0.5;
 
@@ -55,6 +57,7 @@ double gather_expected(const gather *g, const gather_stand *stand, const double 
 /* Sums over the rays of an answer. */
 typedef struct sums {
     double value[GATHER_CHANNELS], group[GATHER_GROUPS];
+    double square; /* of samples, channels summed */
     uint64_t rays;
 } sums;
 
@@ -62,6 +65,7 @@ static void add_sample(const gather *g, const gather_query *q, const guide_view 
                        uint32_t index, sums *s)
 {
     gather_stand stand = q->stand;
+    double value[GATHER_CHANNELS] = {0}, all = 0;
     gather_sample sample;
 
     if (q->average) {
@@ -73,13 +77,16 @@ static void add_sample(const gather *g, const gather_query *q, const guide_view 
     }
     gather_sample_at(g, &stand, view, q->near, index, q->seed, &sample);
     if (q->average)
-        emitters_at(&g->emitters, stand.x, stand.normal, stand.surface, s->value);
+        emitters_at(&g->emitters, stand.x, stand.normal, stand.surface, value);
     for (int c = 0; c < g->channels; c++) {
-        s->value[c] += gather_sample_value(g, &sample, g->field, c);
+        value[c] += gather_sample_value(g, &sample, g->field, c);
+        s->value[c] += value[c];
+        all += value[c];
         for (int k = 0; k < GATHER_GROUPS && q->groups; k++)
             s->group[k] +=
                 (gather_sample_value(g, &sample, q->groups[k], c) - sample.source[c]) / g->channels;
     }
+    s->square += all * all;
     s->rays += sample.rays;
 }
 
@@ -101,6 +108,18 @@ static double error_squared(const gather *g, double means[][GATHER_CHANNELS], in
         sum += change * change / (1 << k) / used;
     }
     return sum;
+}
+
+/* About the same by the spread of `count` samples. It is more than low-discrepancy samples err by,
+ * the more of them there are, but as many numbers tell it, while changes are few and small or large
+ * by chance: whoever shares effort by it takes a tenth less time. */
+static double spread_squared(const gather *g, const sums *s, double count)
+{
+    double mean = 0;
+
+    for (int c = 0; c < g->channels; c++)
+        mean += s->value[c] / count;
+    return stratified * fmax(s->square / count - mean * mean, 0) / count;
 }
 
 /* Tries which targets can be seen; where none can, guiding is a waste. */
@@ -131,7 +150,7 @@ uint64_t gather_answer(const gather *g, const gather_query *q, double *total, do
     double means[DOUBLINGS_MAX][GATHER_CHANNELS];
     const guide_view *guided = NULL;
     guide_view view;
-    sums s = {{0}, {0}, 0};
+    sums s = {{0}, {0}, 0, 0};
     uint32_t count = 0;
     int steps = 0, enough = 0, done;
 
@@ -146,7 +165,7 @@ uint64_t gather_answer(const gather *g, const gather_query *q, double *total, do
     /* Rays that have missed something bright err little by their own account. What tells them to
      * stop is therefore not all of the answer: as many rays follow. */
     do {
-        double scale = 0, allowed, unmet;
+        double scale = 0, allowed, unmet, error;
 
         for (const uint32_t end = (uint32_t)RAYS_FIRST << steps; count < end; count++)
             add_sample(g, q, guided, count, &s);
@@ -159,9 +178,9 @@ uint64_t gather_answer(const gather *g, const gather_query *q, double *total, do
         if (q->share_effort)
             allowed *= sqrt((double)count / RAYS_USUAL);
         unmet = unmet_share * g->mean * g->channels / (double)count;
+        error = q->share_effort ? spread_squared(g, &s, count) : error_squared(g, means, steps);
         done = enough;
-        enough = steps >= DOUBLINGS_USED &&
-                 error_squared(g, means, steps) + unmet * unmet <= allowed * allowed;
+        enough = steps >= DOUBLINGS_USED && error + unmet * unmet <= allowed * allowed;
     } while (!done && steps < DOUBLINGS_MAX && 2 * count <= q->samples);
     for (int c = 0; c < g->channels; c++)
         total[c] += fmax(means[steps - 1][c], 0);
