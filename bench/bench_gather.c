@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What a tolerance costs in engine gather: a furnished room of 6,000 triangles, a hall of 360 and
- * an open box with one bright patch, against path tracing; growth with the number of triangles;
- * threads.
+ * an open box with one bright patch, against path tracing; engine paths beside it where few points
+ * are asked for; growth with the number of triangles; threads.
  *
  *   bench_gather [FILE.json]
  *   bench_gather --mesh SCENE FILE
@@ -93,8 +93,8 @@ typedef struct run {
 } run;
 
 /* Solves and evaluates what the reference holds. `r` may be NULL. */
-static run measure(const lcor_scene *scene, double tolerance, int threads, const reference *r,
-                   double *values)
+static run measure(const lcor_scene *scene, lcor_engine engine, double tolerance, int threads,
+                   const reference *r, double *values)
 {
     crew c = {.threads = threads};
     lcor_radiosity_options options;
@@ -105,7 +105,8 @@ static run measure(const lcor_scene *scene, double tolerance, int threads, const
     memset(&options, 0, sizeof options);
     options.struct_size = sizeof options;
     options.tolerance = tolerance;
-    options.engine = LCOR_ENGINE_GATHER;
+    options.engine = engine;
+    options.points = r ? r->count : 0;
     options.parallel.run = threads > 1 ? crew_run : NULL;
     options.parallel.user = &c;
     out.solve = bench_seconds();
@@ -148,7 +149,7 @@ static void requests(const char *name)
         "\"reported over true\", \"bias\", \"solve, s\", \"200 points, s\", \"MB\", "
         "\"rays, million\"");
     for (int k = 0; k < 3; k++) {
-        const run m = measure(library, tolerances[k], 2, &r, values);
+        const run m = measure(library, LCOR_ENGINE_GATHER, tolerances[k], 2, &r, values);
         const errors points = compare(&r, 0, r.points, values);
         const errors triangles = compare(&r, r.points, r.count, values);
         const errors all = compare(&r, 0, r.count, values);
@@ -157,6 +158,42 @@ static void requests(const char *name)
                                       m.report.error_rms / points.rms, all.bias, m.solve, m.points,
                                       1e-6 * (double)m.report.bytes, 1e-6 * (double)m.report.rays},
                    10);
+    }
+    lcor_scene_free(library);
+    bench_scene_free(&scene);
+}
+
+static void few_points(const char *name)
+{
+    static const size_t counts[] = {1, 10, 100};
+    static double values[REFERENCES];
+    static reference r;
+    bench_scene scene;
+    lcor_scene *library;
+    char title[128];
+
+    if (!read_reference(name, &r) || !bench_scene_named(&scene, name))
+        exit(1);
+    library = bench_library_scene(&scene);
+    snprintf(title, sizeof title, "Engine paths: few points, scene %s", name);
+    report_table(title,
+                 "Tolerance 2 %, two threads, seconds of processor time for solution and answers; "
+                 "rms against path tracing, its noise taken off, which is luck for few points. "
+                 "The last columns are what the scene estimates for itself; it takes the least.",
+                 "\"points\", \"gather, s\", \"paths, s\", \"paths rms\", \"reported rms\", "
+                 "\"gather estimated, s\", \"paths estimated, s\"");
+    for (int k = 0; k < 3; k++) {
+        run gather, paths, choice;
+
+        r.points = r.count = counts[k];
+        gather = measure(library, LCOR_ENGINE_GATHER, 0.02, 2, &r, values);
+        choice = measure(library, LCOR_ENGINE_AUTO, 0.02, 2, &r, values);
+        paths = measure(library, LCOR_ENGINE_PATHS, 0.02, 2, &r, values);
+        report_row((const double[7]){(double)counts[k], gather.solve + gather.points,
+                                     paths.solve + paths.points,
+                                     compare(&r, 0, r.points, values).rms, paths.report.error_rms,
+                                     choice.report.gather_seconds, choice.report.paths_seconds},
+                   7);
     }
     lcor_scene_free(library);
     bench_scene_free(&scene);
@@ -177,7 +214,7 @@ static void threads_agree(void)
     library = bench_library_scene(&scene);
     for (int k = 0; k < 3; k++) {
         seconds[k] = bench_wall_seconds();
-        (void)measure(library, 0.01, threads[k], &r, values[k]);
+        (void)measure(library, LCOR_ENGINE_GATHER, 0.01, threads[k], &r, values[k]);
         seconds[k] = bench_wall_seconds() - seconds[k];
         same &= memcmp(values[k], values[0], r.count * sizeof **values) == 0;
     }
@@ -214,7 +251,7 @@ static void growth(void)
         library = bench_library_scene(&scene);
         solve = bench_seconds();
         commit = solve - commit;
-        m = measure(library, tolerances[k], 2, NULL, NULL);
+        m = measure(library, LCOR_ENGINE_GATHER, tolerances[k], 2, NULL, NULL);
         solve = bench_seconds() - solve;
         count = (double)scene.count;
         if (k == 0) {
@@ -271,6 +308,9 @@ int main(int argc, char **argv)
     requests("hall");
     requests("box");
     requests("room");
+    few_points("hall");
+    few_points("box");
+    few_points("room");
     threads_agree();
     growth();
     return report_close() ? 0 : 1;
