@@ -386,4 +386,4 @@ def test_json_that_is_the_value_of_an_option_asks_for_nothing():
 def test_nobody_presses(profile):
     with Emulator() as device:
         run = lccal("--port", device.port, "--yes", "--timeout", 0.2, "-o", profile)
-    assert_failed(run, 5, profile, "sent nothing within 1 s; press the button")
+    assert_failed(run, 5, profile, "sent nothing within 1 s; press the instrument's button")
