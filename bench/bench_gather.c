@@ -180,7 +180,7 @@ static void few_points(const char *name)
                  "Tolerance 2 %, two threads, seconds of processor time for solution and answers; "
                  "rms against path tracing, its noise taken off, which is luck for few points. "
                  "The last columns are what the scene estimates for itself; it takes the least.",
-                 "\"points\", \"gather, s\", \"paths, s\", \"paths rms\", \"reported rms\", "
+                 "\"points\", \"gather, s\", \"paths, s\", \"rms of paths\", \"reported rms\", "
                  "\"gather estimated, s\", \"paths estimated, s\"");
     for (int k = 0; k < 3; k++) {
         run gather, paths, choice;
