@@ -125,18 +125,23 @@ static run measure(const lcor_scene *scene, lcor_engine engine, double tolerance
     return out;
 }
 
+/* A scene and its reference, or the end. */
+static lcor_scene *load(const char *name, bench_scene *scene, reference *r)
+{
+    if (!read_reference(name, r) || !bench_scene_named(scene, name))
+        exit(1);
+    return bench_library_scene(scene);
+}
+
 static void requests(const char *name)
 {
     static const double tolerances[] = {0.02, 0.01, 0.005};
     static double values[REFERENCES];
     static reference r;
     bench_scene scene;
-    lcor_scene *library;
+    lcor_scene *library = load(name, &scene, &r);
     char title[128];
 
-    if (!read_reference(name, &r) || !bench_scene_named(&scene, name))
-        exit(1);
-    library = bench_library_scene(&scene);
     snprintf(title, sizeof title,
              "Engine gather: what a request costs, scene %s (%zu triangles, %zu dropped)", name,
              scene.count, scene.dropped);
@@ -169,12 +174,9 @@ static void few_points(const char *name)
     static double values[REFERENCES];
     static reference r;
     bench_scene scene;
-    lcor_scene *library;
+    lcor_scene *library = load(name, &scene, &r);
     char title[128];
 
-    if (!read_reference(name, &r) || !bench_scene_named(&scene, name))
-        exit(1);
-    library = bench_library_scene(&scene);
     snprintf(title, sizeof title, "Engine paths: few points, scene %s", name);
     report_table(title,
                  "Tolerance 2 %, two threads, seconds of processor time for solution and answers; "
@@ -205,13 +207,10 @@ static void threads_agree(void)
     static const int threads[] = {1, 2, 5};
     static reference r;
     bench_scene scene;
-    lcor_scene *library;
+    lcor_scene *library = load("hall", &scene, &r);
     double seconds[3];
     int same = 1;
 
-    if (!read_reference("hall", &r) || !bench_scene_named(&scene, "hall"))
-        exit(1);
-    library = bench_library_scene(&scene);
     for (int k = 0; k < 3; k++) {
         seconds[k] = bench_wall_seconds();
         (void)measure(library, LCOR_ENGINE_GATHER, 0.01, threads[k], &r, values[k]);

@@ -123,6 +123,32 @@ static inline lcor_solution *solve(const lcor_scene *scene, double tolerance, lc
     return solve_with(scene, &options);
 }
 
+/* How far a solution has come: times progress was reported, and the one that cancels. */
+typedef struct canceller {
+    int calls, at;
+} canceller;
+
+static inline int cancel_at(void *user, double done)
+{
+    canceller *c = user;
+
+    (void)done;
+    return ++c->calls == c->at;
+}
+
+static inline void check_cancelled(const lcor_scene *scene, lcor_radiosity_options options, int at)
+{
+    canceller c = {0, at};
+    lcor_solution *solution = NULL;
+    lcor_error err;
+
+    options.progress.report = cancel_at;
+    options.progress.user = &c;
+    assert_int_equal(lcor_radiosity_solve(scene, &options, &solution, &err), LCOR_ERR_CANCELLED);
+    assert_null(solution);
+    assert_int_equal(c.calls, at);
+}
+
 /* All patches of the room's faces in the references' order. */
 static inline void room_patches(const lcor_solution *solution, size_t n, lcor_value value,
                                 double *total)

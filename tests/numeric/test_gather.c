@@ -418,27 +418,13 @@ static void an_update_agrees_with_a_new_solution(void **state)
     }
 }
 
-static int stop_at_third(void *user, double done)
-{
-    (void)done;
-    return ++*(int *)user == 3;
-}
-
 static void it_can_be_cancelled(void **state)
 {
-    lcor_radiosity_options options = options_for(LCOR_ENGINE_GATHER, 0.02);
     lcor_scene *scene = box_room();
-    lcor_solution *solution = NULL;
-    lcor_error err;
-    int calls = 0;
 
     (void)state;
     commit(scene);
-    options.progress.report = stop_at_third;
-    options.progress.user = &calls;
-    assert_int_equal(lcor_radiosity_solve(scene, &options, &solution, &err), LCOR_ERR_CANCELLED);
-    assert_null(solution);
-    assert_int_equal(calls, 3);
+    check_cancelled(scene, options_for(LCOR_ENGINE_GATHER, 0.02), 3);
     lcor_scene_free(scene);
 }
 

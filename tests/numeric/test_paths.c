@@ -215,27 +215,13 @@ static void an_update_is_a_new_solution(void **state)
     }
 }
 
-static int stop_at_second(void *user, double done)
-{
-    (void)done;
-    return ++*(int *)user == 2;
-}
-
 static void it_can_be_cancelled(void **state)
 {
-    lcor_radiosity_options options = paths_for(0.05, 1);
     lcor_scene *scene = box_room();
-    lcor_solution *solution = NULL;
-    lcor_error err;
-    int calls = 0;
 
     (void)state;
     commit(scene);
-    options.progress.report = stop_at_second;
-    options.progress.user = &calls;
-    assert_int_equal(lcor_radiosity_solve(scene, &options, &solution, &err), LCOR_ERR_CANCELLED);
-    assert_null(solution);
-    assert_int_equal(calls, 2);
+    check_cancelled(scene, paths_for(0.05, 1), 2);
     lcor_scene_free(scene);
 }
 

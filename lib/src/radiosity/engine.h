@@ -49,6 +49,9 @@ struct lcor_solution {
     double done; /* last progress reported */
 };
 
+/* Errors are relative to the irradiance, or to this part of the scene's mean where it is dark. */
+static const double engine_dark = 0.02;
+
 extern const engine engine_links, engine_gather, engine_paths;
 
 /* choose.c: sets links_seconds, gather_seconds and paths_seconds of the report. */

@@ -16,9 +16,6 @@
 /* GATHER_TRIES: places tried for one that rays come to. */
 enum { GATHER_TRIES = 8, GATHER_TERMS = 6, GATHER_CHANNELS = 3, GATHER_GROUPS = 8 };
 
-/* Errors are relative to the irradiance, or to this part of the scene's mean where it is dark. */
-#define GATHER_DARK 0.02
-
 static const uint32_t gather_none = UINT32_MAX; /* no surface, side or leaf */
 
 /* Coplanar surfaces that touch share a plane, with orthonormal coordinates u, v. Irradiance does

@@ -121,7 +121,7 @@ static void verify_task(void *arg, size_t i)
     q.seed = random_hash(q.seed + 77);
     v->rays += gather_answer(g, &q, second, NULL);
     v->lit = mean_of(g, first) + mean_of(g, second) > 0;
-    scale = fmax(0.5 * (mean_of(g, first) + mean_of(g, second)), GATHER_DARK * g->mean);
+    scale = fmax(0.5 * (mean_of(g, first) + mean_of(g, second)), engine_dark * g->mean);
     v->noise = v->lit ? (mean_of(g, first) - mean_of(g, second)) / scale : 0;
     for (int k = 0; k < GATHER_GROUPS; k++)
         v->group[k] /= v->lit ? scale : 1;
@@ -270,7 +270,7 @@ static int find_group_errors(gather *g, survey *job)
             if (p->leaf != gather_none)
                 p->verdict.group[k] =
                     (mean_of_field(g, p, error) - mean_of_field(g, p, g->groups[k])) /
-                    fmax(p->value, GATHER_DARK * g->mean);
+                    fmax(p->value, engine_dark * g->mean);
         }
         memcpy(g->groups[k], error, n * sizeof *error);
     }

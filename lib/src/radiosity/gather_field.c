@@ -496,7 +496,7 @@ static void brightness_task(void *arg, size_t i)
             sum += straight[c] + evaluate(g, l, g->field, at, c);
         least = fmin(least, sum / g->channels);
     }
-    l->brightness = fmax(least / g->mean, GATHER_DARK);
+    l->brightness = fmax(least / g->mean, engine_dark);
 }
 
 int gather_find_dark(gather *g)

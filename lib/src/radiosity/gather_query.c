@@ -51,7 +51,7 @@ double gather_expected(const gather *g, const gather_stand *stand, const double 
     for (int c = 0; c < g->channels; c++)
         sum += leaf == gather_none ? g->mean / g->channels
                                    : gather_field_at(g, g->field, leaf, at, c) / g->channels;
-    return fmax(sum, GATHER_DARK * g->mean);
+    return fmax(sum, engine_dark * g->mean);
 }
 
 /* Sums over the rays of an answer. */
@@ -174,7 +174,7 @@ uint64_t gather_answer(const gather *g, const gather_query *q, double *total, do
             scale += total[c] + means[steps][c];
         }
         steps++;
-        allowed = q->stop * fmax(scale, GATHER_DARK * g->mean * g->channels);
+        allowed = q->stop * fmax(scale, engine_dark * g->mean * g->channels);
         if (q->share_effort)
             allowed *= sqrt((double)count / RAYS_USUAL);
         unmet = unmet_share * g->mean * g->channels / (double)count;

@@ -3,6 +3,7 @@
 #include "base/internal.h"
 #include "geometry/factor.h"
 #include "geometry/vec.h"
+#include "radiosity/engine.h"
 #include "radiosity/links.h"
 
 #include <math.h>
@@ -266,7 +267,7 @@ static void guess_ambient(links *l)
         area += a;
     }
     l->ambient = sent / area / (1 - rho / area);
-    l->floor = fmax(0.02 * (direct / area + l->ambient), 1e-300); /* in the dark, anything */
+    l->floor = fmax(engine_dark * (direct / area + l->ambient), 1e-300); /* in the dark, anything */
 }
 
 /* A convex scene is closed everywhere if the faces fill the hemispheres over their middles. */
